@@ -131,6 +131,13 @@ struct Heartbeat {
   bool trajectory_done = false;   // from 0.5.4 on
   friend bool operator==(const Heartbeat&, const Heartbeat&) = default;
 };
+// Axis errors, with those of motor, encoder and controller that firmware 0.5.6 reports by flags:
+// older ones have these bits in axis_error.
+constexpr std::uint32_t ErrorsOf(const Heartbeat& heartbeat) {
+  return heartbeat.axis_error | (heartbeat.motor_error ? axis_error::kMotorFailed : 0) |
+         (heartbeat.encoder_error ? axis_error::kEncoderFailed : 0) |
+         (heartbeat.controller_error ? axis_error::kControllerFailed : 0);
+}
 struct Estop {
   friend bool operator==(const Estop&, const Estop&) = default;
 };

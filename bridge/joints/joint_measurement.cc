@@ -73,7 +73,7 @@ Taken JointMeasurement::TakeFromAxis(const can::Received& received, FaultLatch* 
         heartbeat = *m;
         heartbeat_ns = received.stamp_ns;
         // Sent before the controller took our Clear_Errors: its errors are those just cleared.
-        if (received.stamp_ns <= errors_cleared_ns) heartbeat.axis_error = 0;
+        heartbeat.axis_error = received.stamp_ns <= errors_cleared_ns ? 0 : can::ErrorsOf(*m);
         return Taken::kStored;
       }
       break;

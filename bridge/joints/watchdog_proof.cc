@@ -82,6 +82,7 @@ class Trial {
     period_ns_ = heartbeat_ns_ == 0 ? 0 : received.stamp_ns - heartbeat_ns_;
     heartbeat_ns_ = received.stamp_ns;
     heartbeat_ = *heartbeat;
+    heartbeat_.axis_error = can::ErrorsOf(*heartbeat);
     return true;
   }
 

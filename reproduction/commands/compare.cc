@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "components/base/config/config.h"
+#include "components/base/types/json_text.h"
 #include "components/model/report/file/section_file.h"
 #include "reproduction/legs_table/legs_data.h"
 #include "reproduction/network_tables/comparison.h"
@@ -132,7 +133,7 @@ void Run(const CompareOptions& options) {
     throw UsageError(error.what());
   }
   if (options.json) {
-    std::cout << ComparisonJson(result).dump(2) << '\n';
+    std::cout << types::JsonText(ComparisonJson(result), 2) << '\n';
   } else {
     std::cout << FormatComparison(result);
   }
@@ -144,7 +145,7 @@ void Run(const CompareOptions& options) {
           : std::string("compare_table_") + options.table[0] + "_" + options.table.substr(2);
   config::WriteFileAtomically(options.out / (name + ".txt"), FormatComparison(result));
   config::WriteFileAtomically(options.out / (name + ".json"),
-                              ComparisonJson(result).dump(2) + "\n");
+                              types::JsonText(ComparisonJson(result), 2) + "\n");
   report::WriteSection(options.out, ComparisonSection(result));
 }
 

@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "components/base/config/config.h"
+#include "components/base/types/json_text.h"
 #include "components/model/report/file/section_file.h"
 #include "reproduction/control_test/section.h"
 #include "tools/sinew/print_section.h"
@@ -134,7 +135,7 @@ void RunControlTest(const ControlTestOptions& options) {
   if (!options.out.empty()) report::WriteSection(options.out, section);
   if (options.json) {
     const nlohmann::ordered_json all = {{"benchmark", ToJson(benchmark)}, {"grid", ToJson(grid)}};
-    std::cout << all.dump(2) << '\n';
+    std::cout << types::JsonText(all, 2) << '\n';
   } else {
     tools::PrintSection(section);
     if (!options.out.empty()) {

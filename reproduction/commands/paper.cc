@@ -10,6 +10,7 @@
 
 #include "components/base/config/config.h"
 #include "components/base/config/program_file.h"
+#include "components/base/types/json_text.h"
 #include "reproduction/paper/paper.h"
 #include "tools/sinew/shipped.h"
 
@@ -80,7 +81,8 @@ int Make(PaperArguments& arguments) {
   }
   const std::string page = (arguments.options.out / "index.html").string();
   if (arguments.json) {
-    std::cout << nlohmann::ordered_json{{"page", page}, {"parts", list}}.dump(2) << '\n';
+    std::cout << types::JsonText(nlohmann::ordered_json{{"page", page}, {"parts", list}}, 2)
+              << '\n';
   } else {
     std::cout << page << '\n';
   }

@@ -11,6 +11,7 @@
 #include <string>
 
 #include "components/base/config/config.h"
+#include "components/base/types/json_text.h"
 #include "components/model/report/file/section_file.h"
 #include "reproduction/network_tables/search.h"
 #include "tools/sinew/progress.h"
@@ -101,7 +102,7 @@ void Run(Options options) {
                                            {"validation_mse", best.validation_mse},
                                            {"test_mse", best.test_mse}}},
                                          {"time_s", seconds}};
-    std::cout << json.dump(2) << '\n';
+    std::cout << types::JsonText(json, 2) << '\n';
   } else {
     std::printf("%zu points: N %d, rho %.4f, tau %.4f: validation MSE %.5f, test MSE %.5f\n",
                 points.size(), best.neurons, best.spectral_radius, best.leak, best.validation_mse,

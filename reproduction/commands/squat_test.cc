@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "components/base/config/config.h"
+#include "components/base/types/json_text.h"
 #include "components/model/report/file/section_file.h"
 #include "reproduction/squat_test/photographs.h"
 #include "reproduction/squat_test/section.h"
@@ -113,7 +114,7 @@ void RunSquatTest(const SquatTestOptions& options) {
     nlohmann::ordered_json all = nlohmann::ordered_json::array();
     for (const squat_test::Squats& squats : benchmark) all.push_back(SquatsJson(squats));
     for (const squat_test::Squats& squats : six) all.push_back(SquatsJson(squats));
-    std::cout << all.dump(2) << '\n';
+    std::cout << types::JsonText(all, 2) << '\n';
     return;
   }
   tools::PrintSection(section);

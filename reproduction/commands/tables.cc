@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "components/base/types/json_text.h"
 #include "components/model/report/file/section_file.h"
 #include "components/robot/pneumatics/file/pneumatics_file.h"
 #include "reproduction/module_tables/pressure_section.h"
@@ -77,7 +78,7 @@ void PrintJson(const report::Section& section) {
   }
   const nlohmann::ordered_json all = {
       {"id", section.id}, {"comparisons", lines}, {"tables", tables}};
-  std::cout << all.dump(2) << '\n';
+  std::cout << types::JsonText(all, 2) << '\n';
 }
 
 CLI::App* AddModule(CLI::App* tables, const std::shared_ptr<TablesOptions>& options,

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "components/base/config/config.h"
+#include "components/base/types/json_text.h"
 #include "components/model/actuator/file/model_file.h"
 #include "components/record/recording/file/recording_path.h"
 #include "components/record/recording/file/run_reader.h"
@@ -165,7 +166,7 @@ void TrainNet(const NetOptions& options, const tools::TrainOptions& data) {
                                            {"mse_normalised", result.test_mse},
                                            {"rms", scale * std::sqrt(result.test_mse)}}},
                                          {"time_s", seconds}};
-    std::cout << json.dump(2) << '\n';
+    std::cout << types::JsonText(json, 2) << '\n';
     return;
   }
   const std::string unit(info.unit);

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "components/base/config/config.h"
+#include "components/base/types/json_text.h"
 #include "components/bodies/links/file/urdf_file.h"
 #include "components/model/actuator/file/model_file.h"
 #include "components/model/identify/file/processing_file.h"
@@ -149,7 +150,7 @@ void RunExportModel(const Options& options) {
   }
   config::WriteFileAtomically(options.out, text);
   if (options.json) {
-    std::cout << ToJson(options, dropped, costs, file.robot).dump(2) << '\n';
+    std::cout << types::JsonText(ToJson(options, dropped, costs, file.robot), 2) << '\n';
     return;
   }
   std::cout << options.out.string() << '\n';

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 
 #include "components/model/report/section.h"
@@ -6,6 +7,8 @@
 
 namespace sinew::export_model {
 namespace {
+
+constexpr double kLockedRange = 1e-9;  // rad or m
 
 class MjcfText {
  public:
@@ -86,7 +89,9 @@ class MjcfText {
     text_ += indent + "<joint name=\"" + report::Escape(body.joint_name) + "\" type=\"" +
              (body.prismatic ? "slide" : "hinge") + "\" axis=\"" + XmlVector(body.axis) + "\"";
     if (std::isfinite(body.lower) && std::isfinite(body.upper)) {
-      text_ += " limited=\"true\" range=\"" + XmlNumbers({body.lower, body.upper}) + "\"";
+      // MuJoCo wants a range, where a URDF locks the joint.
+      const double upper = std::max(body.upper, body.lower + kLockedRange);
+      text_ += " limited=\"true\" range=\"" + XmlNumbers({body.lower, upper}) + "\"";
     }
     const auto add = [this](const char* name, double value) {
       if (value != 0.0) text_ += std::string(" ") + name + "=\"" + XmlNumber(value) + "\"";

@@ -11,6 +11,7 @@
 
 #include "components/base/config/config.h"
 #include "components/base/config/whole_file.h"
+#include "components/base/types/json_text.h"
 #include "components/model/actuator/file/model_file.h"
 #include "tools/export_recording/ros2_bag.h"
 #include "tools/export_recording/tables.h"
@@ -95,6 +96,10 @@ Exported Export(const Options& options) {
   }
   const Tables tables(path, {options.topics.begin(), options.topics.end()});
   exported.cut_off = tables.cut_off();
+  for (const auto& [topic, why] : tables.left_out()) {
+    exported.left_out.push_back(topic);
+    std::cerr << options.recording.string() << ": left out: " << why << '\n';
+  }
   if (options.format == "npz") {
     exported.topics = WriteNpz(tables, out);
     return exported;
@@ -117,11 +122,11 @@ void RunExport(const Options& options) {
       topics.push_back({{"topic", topic.topic}, {"messages", topic.messages}});
       if (topic.fields > 0) topics.back()["fields"] = topic.fields;
     }
-    std::cout << nlohmann::ordered_json{{"out", options.out.string()},
-                                        {"topics", topics},
-                                        {"left_out", exported.left_out},
-                                        {"cut_off", exported.cut_off}}
-                     .dump(2)
+    std::cout << types::JsonText(nlohmann::ordered_json{{"out", options.out.string()},
+                                                        {"topics", topics},
+                                                        {"left_out", exported.left_out},
+                                                        {"cut_off", exported.cut_off}},
+                                 2)
               << '\n';
     return;
   }
@@ -130,7 +135,7 @@ void RunExport(const Options& options) {
   const std::size_t topics = exported.topics.size();
   std::cout << options.out.string() << ": " << messages << " messages of " << topics
             << (topics == 1 ? " topic\n" : " topics\n");
-  if (exported.left_out.empty()) return;
+  if (exported.left_out.empty() || options.format != "ros2bag") return;
   std::cout << "not in a bag: ";
   for (std::size_t i = 0; i < exported.left_out.size(); ++i) {
     std::cout << (i > 0 ? ", " : "") << exported.left_out[i];

@@ -5,12 +5,20 @@
 #include <map>
 
 #include "components/base/config/config.h"
+#include "components/record/recording/cdr.h"
+#include "components/record/recording/session_clock.h"
 
 namespace sinew::export_recording {
 namespace {
 
 using recording::McapChannel;
 using recording::McapMessage;
+
+constexpr const char* kTickTopic = "joint_state";
+
+struct Header {
+  recording::CdrField session, tick;
+};
 
 std::string TopicsOf(const recording::McapReader& reader) {
   std::set<std::string> names;
@@ -33,16 +41,18 @@ Tables::Tables(const recording::RecordingPath& path, const std::set<std::string>
   const std::string file = path_.file.string();
   try {
     reader_ = std::make_unique<recording::McapReader>(source_);
+    std::map<std::string, recording::MessageType> types;
     std::map<std::string, const recording::McapSchema*> schemas;
     for (const auto& [id, channel] : reader_->channels()) {
       if (!topics.empty() && !topics.contains(channel.topic)) continue;
-      const recording::McapSchema* schema = reader_->SchemaOf(channel);
-      if (schema == nullptr || schema->encoding != "omgidl" || channel.message_encoding != "cdr") {
-        throw UsageError(file + ": topic '" + channel.topic + "' has messages '" +
-                         channel.message_encoding + "' with a schema '" +
-                         (schema == nullptr ? "" : schema->encoding) +
-                         "', expected 'cdr' and 'omgidl'; choose others with --topic");
+      try {
+        types.emplace(channel.topic, recording::MessageTypeOf(*reader_, channel));
+      } catch (const recording::NotReadable& error) {
+        if (!topics.empty()) throw UsageError(file + ": " + error.what());
+        left_out_.emplace(channel.topic, error.what());
+        continue;
       }
+      const recording::McapSchema* schema = reader_->SchemaOf(channel);
       const auto [known, is_new] = schemas.emplace(channel.topic, schema);
       if (!is_new && (known->second->data != schema->data || known->second->name != schema->name)) {
         throw UsageError(file + ": topic '" + channel.topic +
@@ -50,20 +60,16 @@ Tables::Tables(const recording::RecordingPath& path, const std::set<std::string>
       }
     }
     for (const std::string& topic : topics) {
-      if (!schemas.contains(topic)) {
+      if (!types.contains(topic)) {
         throw UsageError(file + ": no topic '" + topic +
                          "', expected one of: " + TopicsOf(*reader_));
       }
     }
-    for (const auto& [topic, schema] : schemas) {
+    for (const auto& [topic, type] : types) {
       auto table = std::make_unique<TopicTable>();
       table->topic = topic;
-      try {
-        table->schema = recording::IdlSchema::Parse(schema->data);
-        table->columns = std::make_unique<Columns>(table->schema.Struct(schema->name));
-      } catch (const recording::IdlError& error) {
-        throw UsageError(file + ": schema of '" + topic + "': " + error.what());
-      }
+      table->type = type;
+      table->columns = std::make_unique<Columns>(*type.type);
       list_.push_back(std::move(table));
     }
   } catch (const recording::McapError& error) {
@@ -82,15 +88,30 @@ std::string Tables::cut_off() const {
 }
 
 void Tables::Widen() {
-  Read([this](std::size_t table, const McapMessage& message) {
+  std::map<std::size_t, Header> headers;
+  for (std::size_t i = 0; i < list_.size(); ++i) {
+    const recording::IdlType& type = *list_[i]->type.type;
+    if (list_[i]->topic == kTickTopic && recording::HasField(type, "header.tick")) {
+      headers.emplace(i, Header{recording::CdrField(type, "header.session_id"),
+                                recording::CdrField(type, "header.tick")});
+    }
+  }
+  recording::TickOrder order;
+  Read([&](std::size_t table, const McapMessage& message) {
     list_[table]->columns->Widen(message.data);
     ++list_[table]->rows;
+    if (const auto header = headers.find(table); header != headers.end()) {
+      in_file_order_ |=
+          !order.Take(static_cast<std::uint64_t>(header->second.session.AsInt(message.data)),
+                      static_cast<std::uint64_t>(header->second.tick.AsInt(message.data)));
+    }
   });
 }
 
 void Tables::Read(const Take& take, std::optional<std::size_t> only) const {
   std::map<std::string, std::size_t> table_of;
   recording::MessageFilter filter;
+  filter.in_file_order = in_file_order_;
   filter.topics.emplace();
   for (std::size_t i = 0; i < list_.size(); ++i) {
     if (only && *only != i) continue;

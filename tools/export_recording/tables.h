@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <set>
@@ -12,13 +13,14 @@
 #include "components/record/recording/file/file_io.h"
 #include "components/record/recording/file/recording_path.h"
 #include "components/record/recording/mcap_reader.h"
+#include "components/record/recording/message_type.h"
 #include "tools/export_recording/columns.h"
 
 namespace sinew::export_recording {
 
 struct TopicTable {
   std::string topic;
-  recording::IdlSchema schema;
+  recording::MessageType type;
   std::unique_ptr<Columns> columns;
   std::size_t rows = 0;
 };
@@ -30,17 +32,21 @@ bool IsInside(const recording::McapMessage& message,
 class Tables {
  public:
   // Reads the recording once for the sizes of the columns. topics: empty: all. A topic without a
-  // message in the range has no table. Throws UsageError naming the file: one that cannot be read
-  // or is broken, a topic that it lacks or that is no CDR message with its IDL, an empty result.
+  // message in the range has no table, nor has one that cannot be read (left_out). Throws
+  // UsageError naming the file: one that cannot be read or is broken, a topic of `topics` that it
+  // lacks or that cannot be read, an empty result.
   Tables(const recording::RecordingPath& path, const std::set<std::string>& topics);
 
   // By topic.
   const std::vector<std::unique_ptr<TopicTable>>& list() const { return list_; }
+  // By topic, why it cannot be read: "messages 'json' with ...".
+  const std::map<std::string, std::string>& left_out() const { return left_out_; }
   // Why the end of the file is missing; empty: it is whole.
   std::string cut_off() const;
 
   using Take = std::function<void(std::size_t table, const recording::McapMessage& message)>;
-  // In the order of reception; only: the number of one table, else all. Throws UsageError.
+  // In the order of reception, which is that of the file where the recording's clock was set back;
+  // only: the number of one table, else all. Throws UsageError.
   void Read(const Take& take, std::optional<std::size_t> only = std::nullopt) const;
 
  private:
@@ -50,6 +56,8 @@ class Tables {
   recording::FileSource source_;
   std::unique_ptr<recording::McapReader> reader_;
   std::vector<std::unique_ptr<TopicTable>> list_;
+  std::map<std::string, std::string> left_out_;
+  bool in_file_order_ = false;
 };
 
 // What was written of a topic.

@@ -17,6 +17,7 @@ those in use (joint_count), rows that use fewer are filled with NaN, 0 or nothin
 """
 import re
 import struct
+import warnings
 import zlib
 from pathlib import Path
 
@@ -214,7 +215,8 @@ def parse_ros2msg(name, text):
     return struct_of(main)
 
 
-def parse_schema(name, encoding, text):
+def parse_schema(name, encoding, data):
+    text = data.decode(errors="replace")
     if encoding == "ros2msg":
         return parse_ros2msg(name, text)
     if encoding == "omgidl":
@@ -254,6 +256,11 @@ def columns_of(kind, path="", lists=0, out=None):
     else:
         out.append(Column(path, kind, lists))
     return out
+
+
+def check_encoding(payload):
+    if payload[:2] not in (b"\0\0", b"\0\1"):
+        raise ValueError(f"a message has encoding {int.from_bytes(payload[:2], 'big')}, expected plain CDR")
 
 
 class Layout:
@@ -326,6 +333,7 @@ def decode(kind, payloads):
     groups = {}  # key of a layout -> (layout, numbers of its messages)
     known = {}
     for row, payload in enumerate(payloads):
+        check_encoding(payload)
         if kind.fixed and payload[1:2] in known and len(payload) >= known[payload[1:2]].size:
             layout = known[payload[1:2]]
         else:
@@ -374,6 +382,7 @@ def cut(array, counts, axis):
 
 def decode_one(kind, payload):
     """A message as a dict, enums by their labels: what `sinew echo --json` prints."""
+    check_encoding(payload)
     order, at = "<" if payload[1] & 1 else ">", 4
 
     def number(of):
@@ -392,7 +401,7 @@ def decode_one(kind, payload):
         if isinstance(of, Text):
             size = number(COUNT)
             at += size
-            return payload[at - size:at - 1].decode()
+            return payload[at - size:at - 1].decode(errors="replace")
         return number(of)
 
     return build(kind)
@@ -419,11 +428,16 @@ def decompress(compression, data, size):
     raise ValueError(f"chunks are compressed with '{compression}', expected zstd, lz4 or nothing")
 
 
-def text_at(data, at):
+def bytes_at(data, at):
     (size,) = struct.unpack_from("<I", data, at)
     if at + 4 + size > len(data):
         raise ValueError("a record ends inside a text")
-    return data[at + 4:at + 4 + size].decode(), at + 4 + size
+    return data[at + 4:at + 4 + size], at + 4 + size
+
+
+def text_at(data, at):
+    text, end = bytes_at(data, at)
+    return text.decode(errors="replace"), end
 
 
 def map_at(data, at):
@@ -440,12 +454,13 @@ class Recording:
     """A recording, read as a whole into memory; topics: only these.
 
     Attributes: path; profile; metadata (record name -> dict); cut_off (the file lacks its end, as after a power cut:
-    what is whole is here). Raises OSError, and RecordingError for a file that is broken.
+    what is whole is here); left_out (topic -> why: other encodings than CDR). Raises OSError, and RecordingError for a
+    file that is broken; warns once of topics that are left out.
     """
 
     def __init__(self, path, topics=None):
         self.path = Path(path)
-        self.profile, self.metadata, self.cut_off = "", {}, False
+        self.profile, self.metadata, self.cut_off, self.left_out = "", {}, False, {}
         self._wanted = None if topics is None else set(topics)
         self._schemas, self._channels, self._messages, self._types = {}, {}, {}, {}
         data = self.path.read_bytes()
@@ -453,9 +468,11 @@ class Recording:
             self._read(data)
         except (ValueError, struct.error) as error:
             raise RecordingError(f"{self.path}: {error}") from error
-        missing = (self._wanted or set()) - set(self.topics)
-        if missing:
-            raise RecordingError(f"{self.path}: no topic '{min(missing)}', expected one of: {', '.join(self.topics)}")
+        for topic in sorted((self._wanted or set()) - set(self.topics)):
+            raise RecordingError(f"{self.path}: {self._absence(topic)}")
+        if self._wanted is None and self.left_out:
+            topics = "; ".join(f"'{topic}' has {why}" for topic, why in sorted(self.left_out.items()))
+            warnings.warn(f"{self.path}: topics are left out: {topics}", stacklevel=2)
 
     @property
     def topics(self):
@@ -490,10 +507,15 @@ class Recording:
                 return list(column.kind.labels)
         raise KeyError(f"topic '{topic}' has no enum '{field}'")
 
+    def _absence(self, topic):
+        if topic in self.left_out:
+            return f"topic '{topic}' has {self.left_out[topic]}"
+        return f"no topic '{topic}', expected one of: {', '.join(self.topics)}"
+
     def _of(self, topic):
         ids = [channel for channel, (name, _) in self._channels.items() if name == topic]
         if not ids:
-            raise KeyError(f"{self.path}: no topic '{topic}', expected one of: {', '.join(self.topics)}")
+            raise KeyError(f"{self.path}: {self._absence(topic)}")
         messages = [message for channel in ids for message in self._messages.get(channel, [])]
         messages.sort(key=lambda message: message[0])  # stable: equal times stay in file order
         if topic not in self._types:
@@ -527,14 +549,14 @@ class Recording:
             (number,) = struct.unpack_from("<H", body, 0)
             name, at = text_at(body, 2)
             encoding, at = text_at(body, at)
-            self._schemas[number] = (name, encoding, text_at(body, at)[0])
+            self._schemas[number] = (name, encoding, bytes_at(body, at)[0])
         elif opcode == CHANNEL:
             number, schema = struct.unpack_from("<HH", body, 0)
             topic, at = text_at(body, 4)
             encoding, _ = text_at(body, at)
-            if self._wanted is None or topic in self._wanted:
-                if encoding != "cdr":
-                    raise ValueError(f"topic '{topic}' has messages '{encoding}', expected cdr")
+            if encoding != "cdr":
+                self.left_out[topic] = f"messages '{encoding}', expected cdr"
+            elif self._wanted is None or topic in self._wanted:
                 self._channels[number] = (topic, schema)
                 self._messages.setdefault(number, [])
         elif opcode == MESSAGE:

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "components/base/config/config.h"
+#include "components/base/types/json_text.h"
 #include "components/record/recording/file/file_io.h"
 #include "components/record/recording/mcap_record.h"
 #include "components/topics/node/time_option.h"
@@ -158,7 +159,7 @@ void PrintJson(const RerunResult& result) {
   for (const ComponentResult& component : result.components) {
     report["components"].push_back(JsonOf(component));
   }
-  std::cout << report.dump(2) << '\n';
+  std::cout << types::JsonText(report, 2) << '\n';
 }
 
 RerunInput::Field ParseField(const std::string& text) {

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "components/base/config/config.h"
+#include "components/base/types/json_text.h"
 #include "components/base/types/printable.h"
 #include "components/record/recording/file/file_io.h"
 #include "components/record/recording/mcap_reader.h"
@@ -40,7 +41,7 @@ void PrintAttachments(const std::vector<recording::McapAttachment>& attachments,
               << types::Printable(attachment.media_type) << std::right << ' '
               << types::Printable(attachment.name) << '\n';
   }
-  if (json) std::cout << rows.dump() << '\n';
+  if (json) std::cout << types::JsonText(rows) << '\n';
 }
 
 void TakeOut(const recording::McapAttachment& attachment, const AttachmentsOptions& options) {

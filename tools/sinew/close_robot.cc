@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "components/base/config/config.h"
+#include "components/base/types/json_text.h"
 #include "components/bodies/links/file/urdf_file.h"
 #include "components/model/identify/file/processing_file.h"
 #include "components/model/payloads/payloads.h"
@@ -94,7 +95,7 @@ std::string RobotJson(const CloseRobotResult& result) {
   out["verdict"] = verdict;
   if (result.arm) out["arm"] = ArmJson(*result.arm);
   out["joints"] = std::move(joints);
-  return out.dump(2) + "\n";
+  return types::JsonText(out, 2) + "\n";
 }
 
 bool AnyStops(const std::vector<gate::GateReport>& reports) {

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "components/base/config/config.h"
+#include "components/base/types/json_text.h"
 #include "tools/conform/conform.h"
 #include "tools/launch/find_program.h"
 #include "tools/sinew/node_options.h"
@@ -30,7 +31,7 @@ void RunConformCommand(const ConformOptions& given) {
   options.lockstep = !given.real_time_only;
   const conform::Report report = conform::RunConform(options);
   if (given.json) {
-    std::cout << conform::ToJson(report).dump(2) << '\n';
+    std::cout << types::JsonText(conform::ToJson(report), 2) << '\n';
   } else {
     conform::Print(report, std::cout);
   }

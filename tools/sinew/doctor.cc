@@ -15,6 +15,7 @@
 #include <string>
 #include <vector>
 
+#include "components/base/types/json_text.h"
 #include "components/topics/node/codec.h"
 #include "components/topics/node/endpoint.h"
 #include "components/topics/node/host_name.h"
@@ -173,9 +174,8 @@ void AddDoctorCommand(CLI::App& app) {
     const std::vector<Finding> findings = Examine(*options);
     if (options->json) {
       const int code = inspect::ExitCode(findings, options->strict);
-      std::cout << nlohmann::ordered_json{{"healthy", code == 0},
-                                          {"findings", inspect::FindingsJson(findings)}}
-                       .dump()
+      std::cout << types::JsonText(nlohmann::ordered_json{
+                       {"healthy", code == 0}, {"findings", inspect::FindingsJson(findings)}})
                 << '\n';
     } else {
       std::cout << inspect::FormatFindings(findings);

@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "components/base/config/config.h"
+#include "components/base/types/json_text.h"
 #include "components/record/recording/cdr.h"
 #include "components/record/recording/file/file_io.h"
 #include "components/record/recording/mcap_reader.h"
@@ -118,20 +119,20 @@ class Printer : public MessageSink {
   void Take(std::span<const std::byte> payload, std::int64_t) override {
     if (fields_.empty()) {
       const Json json = inspect::MessageJson(type_, payload);
-      std::cout << json.dump(options_.json ? -1 : 2) << '\n';
+      std::cout << types::JsonText(json, options_.json ? -1 : 2) << '\n';
       return;
     }
     if (options_.json) {
       Json json;
       for (std::size_t i = 0; i < fields_.size(); ++i)
         json[options_.fields[i]] = Value(fields_[i], payload);
-      std::cout << json.dump() << '\n';
+      std::cout << types::JsonText(json) << '\n';
       return;
     }
     for (std::size_t i = 0; i < fields_.size(); ++i) {
       const Json value = Value(fields_[i], payload);
       std::cout << (i > 0 ? " " : "")
-                << (value.is_string() ? value.get<std::string>() : value.dump());
+                << (value.is_string() ? value.get<std::string>() : types::JsonText(value));
     }
     std::cout << '\n';
   }

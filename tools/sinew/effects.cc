@@ -10,6 +10,7 @@
 
 #include "components/base/config/config.h"
 #include "components/base/types/joined.h"
+#include "components/base/types/json_text.h"
 #include "components/model/effects/effect.h"
 
 namespace sinew::tools {
@@ -116,7 +117,7 @@ void RunEffects(const EffectsOptions& options) {
                 << '\n';
     }
   }
-  if (options.json) std::cout << list.dump(2) << '\n';
+  if (options.json) std::cout << types::JsonText(list, 2) << '\n';
 }
 
 }  // namespace

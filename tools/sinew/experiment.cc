@@ -14,6 +14,7 @@
 
 #include "components/base/config/config.h"
 #include "components/base/types/clock/utc.h"
+#include "components/base/types/json_text.h"
 #include "components/model/actuator/file/model_file.h"
 #include "components/model/experiment/catalogue.h"
 #include "components/model/experiment/model_update.h"
@@ -101,7 +102,7 @@ void RunAll(const ExperimentOptions& given, const ExperimentSimulation* simulati
   }
   if (file && !options.update_model.empty()) actuator::SaveModelFile(options.update_model, *file);
   if (options.json) {
-    std::cout << (all.size() == 1 ? all[0] : all).dump(2) << '\n';
+    std::cout << types::JsonText((all.size() == 1 ? all[0] : all), 2) << '\n';
   } else {
     if (!options.out.empty()) Print("%s written\n", options.out.c_str());
     if (!options.update_model.empty()) Print("%s written\n", options.update_model.c_str());

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "components/base/config/config.h"
+#include "components/base/types/json_text.h"
 #include "components/model/experiment/page.h"
 #include "components/model/experiment/rows.h"
 #include "components/model/report/file/section_file.h"
@@ -77,7 +78,7 @@ ordered_json ToJson(const ExperimentOutcome& done) {
 void WriteFiles(const ExperimentOutcome& done, const fs::path& folder) {
   report::WriteSection(folder, SectionOf(done));
   config::WriteFileAtomically(folder / "data.csv", experiment::FormatCsv(done.rows));
-  config::WriteFileAtomically(folder / "result.json", ToJson(done).dump(2) + "\n");
+  config::WriteFileAtomically(folder / "result.json", types::JsonText(ToJson(done), 2) + "\n");
 }
 
 }  // namespace sinew::tools

@@ -14,6 +14,7 @@
 #include "components/record/recording/cdr.h"
 #include "components/record/recording/file/file_io.h"
 #include "components/record/recording/mcap_reader.h"
+#include "components/record/recording/message_type.h"
 #include "components/topics/node/endpoint.h"
 #include "components/topics/node/node.h"
 #include "components/topics/node/time_option.h"
@@ -53,11 +54,8 @@ inspect::Graph GraphFromFile(const GraphOptions& options) {
       const auto writer = channel.metadata.find("participant");
       writers.push_back({channel.topic, writer == channel.metadata.end() ? "" : writer->second});
       if (channel.topic != node::kComponentStatus.name) continue;
-      const recording::McapSchema* schema = reader.SchemaOf(channel);
-      if (schema == nullptr) continue;
-      const recording::IdlSchema idl = recording::IdlSchema::Parse(schema->data);
-      const recording::IdlType& type = idl.Struct(schema->name);
-      const recording::CdrField name(type, "name"), kind(type, "component_kind");
+      const recording::MessageType type = recording::MessageTypeOf(reader, channel);
+      const recording::CdrField name(*type.type, "name"), kind(*type.type, "component_kind");
       recording::MessageFilter filter;
       filter.topics = std::set<std::string>{channel.topic};
       recording::McapMessages messages = reader.Messages(filter);
@@ -72,8 +70,8 @@ inspect::Graph GraphFromFile(const GraphOptions& options) {
     return inspect::GraphOfRecording(writers, participants, options.all);
   } catch (const recording::McapError& error) {
     throw UsageError(options.from + ": " + error.what());
-  } catch (const recording::IdlError& error) {
-    throw UsageError(options.from + ": schema of component_status: " + error.what());
+  } catch (const recording::NotReadable& error) {
+    throw UsageError(options.from + ": " + error.what());
   } catch (const recording::CdrError& error) {
     throw UsageError(options.from + ": component_status: " + error.what());
   }

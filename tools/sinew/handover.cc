@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "components/base/config/config.h"
+#include "components/base/types/json_text.h"
 #include "components/topics/node/endpoint.h"
 #include "components/topics/node/node.h"
 #include "components/topics/node/ownership.h"
@@ -150,7 +151,7 @@ void RunHandover(const HandoverOptions& options) {
                                      {"done", why.empty()},
                                      {"topics", handover.topics()}};
     if (!why.empty()) report["why"] = why;
-    std::cout << report.dump() << '\n';
+    std::cout << types::JsonText(report) << '\n';
   } else if (why.empty()) {
     std::cout << "'" << options.target << "' is heard as " << options.role << " after "
               << static_cast<int>(1e3 * seconds) << " ms:";

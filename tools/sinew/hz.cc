@@ -15,6 +15,7 @@
 
 #include "components/base/config/config.h"
 #include "components/base/types/clock/clock.h"
+#include "components/base/types/json_text.h"
 #include "components/record/recording/cdr.h"
 #include "components/record/recording/file/file_io.h"
 #include "components/record/recording/mcap_reader.h"
@@ -319,7 +320,7 @@ void AddHzCommand(CLI::App& app) {
     const Summaries summaries =
         options->from.empty() ? OfDomain(*options, stop) : OfRecording(*options);
     if (options->json) {
-      std::cout << SummariesJson(summaries).dump() << '\n';
+      std::cout << types::JsonText(SummariesJson(summaries)) << '\n';
     } else {
       PrintSummaries(summaries);
     }

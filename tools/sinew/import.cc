@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "components/base/config/config.h"
+#include "components/base/types/json_text.h"
 #include "components/record/recording/file/import.h"
 #include "components/topics/node/topics.h"
 #include "tools/sinew/progress.h"
@@ -62,12 +63,11 @@ void AddImportCommand(CLI::App& app) {
         [&bar](std::uint64_t done, std::uint64_t all) { bar.Update(done, all); });
     bar.Finish();
     if (options->json) {
-      std::cout << nlohmann::ordered_json{{"file", options->out.string()},
-                                          {"sessions", result.runs},
-                                          {"samples", result.samples},
-                                          {"messages", result.messages},
-                                          {"bytes", result.bytes}}
-                       .dump()
+      std::cout << types::JsonText(nlohmann::ordered_json{{"file", options->out.string()},
+                                                          {"sessions", result.runs},
+                                                          {"samples", result.samples},
+                                                          {"messages", result.messages},
+                                                          {"bytes", result.bytes}})
                 << '\n';
     } else {
       std::cout << options->out.string() << ": " << result.samples << " samples in " << result.runs

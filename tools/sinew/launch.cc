@@ -13,6 +13,7 @@
 #include <optional>
 #include <sstream>
 
+#include "components/base/types/json_text.h"
 #include "components/robot/provider/participant/other_provider.h"
 #include "components/topics/node/node.h"
 #include "tools/launch/deployment.h"
@@ -65,7 +66,7 @@ void PrintPlan(const launch::Deployment& deployment, bool json) {
                                        {"seed", deployment.seed},
                                        {"provider", deployment.provider},
                                        {"processes", list}};
-  std::cout << plan.dump(2) << '\n';
+  std::cout << types::JsonText(plan, 2) << '\n';
 }
 
 std::string Summary(const launch::Deployment& deployment, const launch::Result& result) {
@@ -103,7 +104,7 @@ void PrintResult(const launch::Deployment& deployment, const launch::Result& res
                                          {"restarts", result.restarts},
                                          {"stopped_by_user", result.stopped_by_user},
                                          {"failures", failures}};
-  std::cout << report.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) << std::endl;
+  std::cout << types::JsonText(report, 2) << std::endl;
 }
 
 // A deployment whose state provider would be refused starts nothing beside the robot that runs.

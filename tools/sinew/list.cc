@@ -20,6 +20,7 @@
 
 #include "components/base/config/config.h"
 #include "components/base/types/joined.h"
+#include "components/base/types/json_text.h"
 #include "components/base/types/printable.h"
 #include "components/record/recording/file/file_io.h"
 #include "components/record/recording/mcap_reader.h"
@@ -272,7 +273,7 @@ void PrintTopics(const Json& report) {
 
 // A value of a participant's row, as text; "-" for one that sends no component_status.
 std::string Cell(const Json& row, const char* key) {
-  return row.contains(key) ? row[key].dump() : "-";
+  return row.contains(key) ? types::JsonText(row[key]) : "-";
 }
 
 // own_host: where this command runs.
@@ -408,7 +409,7 @@ void PrintRecording(const Json& report) {
   Print("\n%-20s %-16s %10s  %-10s %s\n", "topic", "writer", "messages", "hash", "type");
   for (const Json& row : report["topics"]) {
     Print("%-20s %-16s %10s  %-10s %s\n", row["name"].get<std::string>().c_str(),
-          row["writer"].get<std::string>().c_str(), row["messages"].dump().c_str(),
+          row["writer"].get<std::string>().c_str(), types::JsonText(row["messages"]).c_str(),
           row["idl_hash"].get<std::string>().c_str(), row["type"].get<std::string>().c_str());
   }
 }
@@ -439,7 +440,7 @@ void AddListCommand(CLI::App& app) {
     if (!options->recording.empty()) {
       const Json report = DescribeRecording(options->recording);
       if (options->json) {
-        std::cout << report.dump() << '\n';
+        std::cout << types::JsonText(report) << '\n';
       } else {
         PrintRecording(Printable(report));
       }
@@ -448,7 +449,7 @@ void AddListCommand(CLI::App& app) {
     spdlog::set_level(spdlog::level::off);  // problems are part of the report
     const Json report = DescribeDomain(*options);
     if (options->json) {
-      std::cout << report.dump() << '\n';
+      std::cout << types::JsonText(report) << '\n';
     } else {
       PrintDomain(Printable(report));
     }

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "components/base/config/config.h"
+#include "components/base/types/json_text.h"
 #include "components/topics/node/log.h"
 #include "components/topics/node/topics.h"
 #include "components/topics/node/version.h"
@@ -23,7 +24,9 @@ void AddVersionCommand(CLI::App& app) {
   command->callback([json] {
     const std::string version = sinew::node::kVersion, topics = sinew::node::AllTopicsHash();
     if (*json) {
-      std::cout << nlohmann::json{{"version", version}, {"topics_hash", topics}}.dump() << '\n';
+      std::cout << sinew::types::JsonText(
+                       nlohmann::json{{"version", version}, {"topics_hash", topics}})
+                << '\n';
     } else {
       std::cout << "sinew " << version << ", topics " << topics << '\n';
     }

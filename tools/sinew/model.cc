@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "components/base/types/json_text.h"
 #include "components/model/actuator/file/model_file.h"
 #include "components/model/actuator/model.h"
 #include "components/model/effects/effect.h"
@@ -102,7 +103,8 @@ void Show(const ModelOptions& options) {
   }
   nlohmann::ordered_json joints = nlohmann::ordered_json::array();
   for (const JointModel& joint : robot.joints) joints.push_back(ToJson(joint));
-  std::cout << nlohmann::ordered_json{{"name", robot.name}, {"joints", joints}}.dump(2) << '\n';
+  std::cout << types::JsonText(nlohmann::ordered_json{{"name", robot.name}, {"joints", joints}}, 2)
+            << '\n';
 }
 
 void FromRig(const ModelOptions& options) {

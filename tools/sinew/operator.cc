@@ -17,6 +17,7 @@
 #include <utility>
 #include <vector>
 
+#include "components/base/types/json_text.h"
 #include "components/robot/estop/press.h"
 #include "components/robot/estop/socket_folder.h"
 #include "components/topics/node/node.h"
@@ -185,7 +186,7 @@ void RunOperator(const Request& request, OperatorOptions options) {
           {"path", local.socket.string()}, {"idle", local.idle}, {"latched", local.latched}};
     }
     if (!done) report["why"] = why;
-    std::cout << report.dump() << '\n';
+    std::cout << types::JsonText(report) << '\n';
   } else if (done) {
     std::cout << "robot is " << StateName(state->robot_state()) << '\n';
   }

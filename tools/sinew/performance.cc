@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "components/base/config/config.h"
+#include "components/base/types/json_text.h"
 #include "components/model/report/file/section_file.h"
 #include "tools/sinew/performance_section.h"
 #include "tools/sinew/performance_sessions.h"
@@ -50,7 +51,7 @@ void RunPerformance(const PerformanceOptions& options) {
     PrintSection(section);
     std::fflush(stdout);
   }
-  if (options.json) std::cout << sessions.dump(2) << '\n';
+  if (options.json) std::cout << types::JsonText(sessions, 2) << '\n';
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include <optional>
 #include <string>
 
+#include "components/base/types/json_text.h"
 #include "components/base/types/robot_state.h"
 #include "components/topics/node/endpoint.h"
 #include "components/topics/node/node.h"
@@ -113,7 +114,7 @@ void RunPermit(const PermitOptions& options) {
   if (options.json) {
     nlohmann::ordered_json report = {{"target", options.target}, {"done", why.empty()}};
     if (!why.empty()) report["why"] = why;
-    std::cout << report.dump() << '\n';
+    std::cout << types::JsonText(report) << '\n';
   } else if (why.empty()) {
     std::cout << "the recording that '" << options.target
               << "' plays may move the robot until it is disarmed\n";

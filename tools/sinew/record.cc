@@ -5,6 +5,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "components/base/types/json_text.h"
 #include "components/record/logger/participant/record.h"
 #include "tools/sinew/node_options.h"
 #include "tools/sinew/progress.h"
@@ -40,18 +41,17 @@ void AddRecordCommand(CLI::App& app) {
                        [&bar](const logger::RecordResult& now) { bar.Update(now.messages); });
     bar.Finish();
     if (options->json) {
-      std::cout << nlohmann::ordered_json{{"file", options->record.out.string()},
-                                          {"messages", result.messages},
-                                          {"topics", result.topics},
-                                          {"bytes", result.bytes},
-                                          {"dropped", result.dropped},
-                                          {"lost", result.lost},
-                                          {"missing", result.missing},
-                                          {"missing_ticks", result.missing_ticks},
-                                          {"files", result.files},
-                                          {"triggers", result.triggers},
-                                          {"end", result.end}}
-                       .dump()
+      std::cout << types::JsonText(nlohmann::ordered_json{{"file", options->record.out.string()},
+                                                          {"messages", result.messages},
+                                                          {"topics", result.topics},
+                                                          {"bytes", result.bytes},
+                                                          {"dropped", result.dropped},
+                                                          {"lost", result.lost},
+                                                          {"missing", result.missing},
+                                                          {"missing_ticks", result.missing_ticks},
+                                                          {"files", result.files},
+                                                          {"triggers", result.triggers},
+                                                          {"end", result.end}})
                 << '\n';
     } else {
       std::cout << options->record.out.string() << ": " << result.messages << " messages of "

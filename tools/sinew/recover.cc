@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "components/base/config/config.h"
+#include "components/base/types/json_text.h"
 #include "components/record/recording/file/file_io.h"
 #include "components/record/recording/mcap_reader.h"
 #include "components/record/recording/mcap_recover.h"
@@ -40,12 +41,11 @@ void Recover(const RecoverOptions& options) {
     }
     const recording::Recovery& recovery = *reader.recovery();
     if (options.json) {
-      std::cout << nlohmann::ordered_json{{"file", options.out.string()},
-                                          {"messages", recovery.messages},
-                                          {"good_bytes", recovery.good_bytes},
-                                          {"lost_bytes", recovery.lost_bytes},
-                                          {"reason", recovery.reason}}
-                       .dump()
+      std::cout << types::JsonText(nlohmann::ordered_json{{"file", options.out.string()},
+                                                          {"messages", recovery.messages},
+                                                          {"good_bytes", recovery.good_bytes},
+                                                          {"lost_bytes", recovery.lost_bytes},
+                                                          {"reason", recovery.reason}})
                 << '\n';
       return;
     }

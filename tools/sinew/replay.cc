@@ -11,6 +11,7 @@
 #include <optional>
 #include <string>
 
+#include "components/base/types/json_text.h"
 #include "components/record/logger/player/participant/play.h"
 #include "tools/sinew/node_options.h"
 #include "tools/sinew/printed.h"
@@ -97,13 +98,12 @@ void AddReplayCommand(CLI::App& app) {
                      [&screen](const logger::PlayResult& now) { screen.Show(now.status); });
     screen.Finish();
     if (options->json) {
-      std::cout << nlohmann::ordered_json{{"file", options->play.path.string()},
-                                          {"messages", result.messages},
-                                          {"of", result.message_count},
-                                          {"write_failures", result.write_failures},
-                                          {"recorded_s", result.recorded_s},
-                                          {"wall_s", result.wall_s}}
-                       .dump()
+      std::cout << types::JsonText(nlohmann::ordered_json{{"file", options->play.path.string()},
+                                                          {"messages", result.messages},
+                                                          {"of", result.message_count},
+                                                          {"write_failures", result.write_failures},
+                                                          {"recorded_s", result.recorded_s},
+                                                          {"wall_s", result.wall_s}})
                 << '\n';
     } else {
       char times[64];

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "components/base/config/config.h"
+#include "components/base/types/json_text.h"
 #include "components/record/logger/player/control_socket.h"
 #include "components/record/logger/player/play_control.h"
 
@@ -85,7 +86,7 @@ void AddReplayControlCommand(CLI::App& app) {
       std::cerr << "sinew replay-control: " << rest << '\n';
       throw CLI::RuntimeError(1);
     }
-    std::cout << (options->json ? StatusJson(rest).dump() : rest) << '\n';
+    std::cout << (options->json ? types::JsonText(StatusJson(rest)) : rest) << '\n';
   });
 }
 

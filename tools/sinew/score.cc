@@ -9,6 +9,8 @@
 #include <vector>
 
 #include "components/base/config/config.h"
+#include "components/base/types/json_text.h"
+#include "components/base/types/seconds.h"
 #include "components/record/recording/file/run_reader.h"
 #include "components/topics/node/time_option.h"
 #include "tools/tracking/tracking.h"
@@ -28,6 +30,7 @@ struct ScoreOptions {
 struct Scored {
   std::string name;
   bool linear = false;
+  double clock_set_back_s = 0.0;
   TrackingScore score;
 };
 
@@ -38,8 +41,8 @@ std::vector<Scored> ScoreAll(const ScoreOptions& options) {
     if (runs.empty()) throw UsageError(file + ": no run of this joint, expected joint_state");
     for (const types::Run& run : runs) {
       try {
-        list.push_back(
-            {run.name, run.kind == types::JointKind::kLinear, ScoreTracking(run, options.from_s)});
+        list.push_back({run.name, run.kind == types::JointKind::kLinear, run.clock_set_back_s,
+                        ScoreTracking(run, options.from_s)});
       } catch (const std::invalid_argument& error) {
         throw UsageError(file + ": " + error.what() +
                          ", expected position and reference_position throughout");
@@ -62,6 +65,10 @@ void PrintText(const std::vector<Scored>& list) {
       std::cout << "; torque rms " << score.rms_torque_Nm << (entry.linear ? " N" : " Nm")
                 << ", positive work " << score.positive_work_J << " J";
     }
+    if (entry.clock_set_back_s > 0.0) {
+      std::cout << "; its clock was set back by " << types::SecondsText(entry.clock_set_back_s)
+                << " s";
+    }
     std::cout << '\n';
   }
 }
@@ -82,9 +89,10 @@ void PrintJson(const std::vector<Scored>& list) {
       one[entry.linear ? "rms_force_N" : "rms_torque_Nm"] = score.rms_torque_Nm;
       one["positive_work_J"] = score.positive_work_J;
     }
+    if (entry.clock_set_back_s > 0.0) one["clock_set_back_s"] = entry.clock_set_back_s;
     report.push_back(std::move(one));
   }
-  std::cout << report.dump(2) << '\n';
+  std::cout << types::JsonText(report, 2) << '\n';
 }
 
 }  // namespace

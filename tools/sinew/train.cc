@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "components/base/config/config.h"
+#include "components/base/types/json_text.h"
 #include "components/learn/esn/dataset/dataset.h"
 #include "components/learn/esn/dataset/file/training_file.h"
 #include "components/learn/esn/file/weights_file.h"
@@ -129,8 +130,8 @@ void PrintScore(const char* name, const esn::Score& score) {
     return;
   }
   const double mse = score.mse.mean();
-  Print("%-6s MSE %.6f Nm^2, rms %.4f Nm, share of the variance %.4f %%, %ld samples\n", name, mse,
-        std::sqrt(mse), 100.0 * score.normalised.mean(), score.samples);
+  Print("%-6s MSE %.6f Nm^2, rms %.4f Nm, %.4f %% of the target's variance, %ld samples\n", name,
+        mse, std::sqrt(mse), 100.0 * score.normalised.mean(), score.samples);
 }
 
 nlohmann::ordered_json ScoreJson(const esn::Score& score) {
@@ -138,6 +139,11 @@ nlohmann::ordered_json ScoreJson(const esn::Score& score) {
   return {{"samples", score.samples},
           {"mse_Nm2", score.mse.mean()},
           {"normalised", score.normalised.mean()}};
+}
+
+// The mean of the target, said at every sample, has an error of the whole variance.
+bool IsWorseThanTheMean(const esn::Score& score) {
+  return score.samples > 0 && score.normalised.mean() >= 1.0;
 }
 
 void PrintOutcome(const TrainOptions& options, const Outcome& outcome) {
@@ -157,8 +163,9 @@ void PrintOutcome(const TrainOptions& options, const Outcome& outcome) {
                                          {"play_centre_rad", outcome.data.play_centre_rad},
                                          {"train", ScoreJson(result.train)},
                                          {"test", ScoreJson(result.test)},
+                                         {"worse_than_mean", IsWorseThanTheMean(result.test)},
                                          {"time_s", outcome.seconds}};
-    std::cout << json.dump(2) << '\n';
+    std::cout << types::JsonText(json, 2) << '\n';
     return;
   }
   Print("network '%s': %d parameters (1 + %d inputs + %d neurons), target %s\n",
@@ -172,12 +179,17 @@ void PrintOutcome(const TrainOptions& options, const Outcome& outcome) {
         result.gcv.empty() ? "" : " by generalised cross-validation");
   PrintScore("train", result.train);
   PrintScore("test", result.test);
+  if (IsWorseThanTheMean(result.test)) {
+    std::cerr
+        << "warning: on the test samples this network is worse than the target's mean, that is, "
+           "than none: longer or richer recordings, fewer neurons, or other inputs\n";
+  }
   for (std::size_t j = 0; outcome.outputs.size() > 1 && j < outcome.outputs.size(); ++j) {
     const auto k = static_cast<Eigen::Index>(j);
     Print("       %-20s rms %.4f Nm of the training samples", outcome.outputs[j].c_str(),
           std::sqrt(result.train.mse(k)));
     if (result.test.samples > 0) {
-      Print(", %.4f Nm of the test, share of the variance %.4f %%", std::sqrt(result.test.mse(k)),
+      Print(", %.4f Nm of the test, %.4f %% of the variance", std::sqrt(result.test.mse(k)),
             100.0 * result.test.normalised(k));
     }
     Print("\n");

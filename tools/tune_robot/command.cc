@@ -12,6 +12,7 @@
 #include <thread>
 
 #include "components/base/config/config.h"
+#include "components/base/types/json_text.h"
 #include "components/model/report/file/section_file.h"
 #include "tools/sinew/print_section.h"
 #include "tools/sinew/progress.h"
@@ -109,7 +110,7 @@ void TunePid(const Options& options) {
                                 ControlText(file.control, result.best->pid, options.out, comment));
   }
   if (options.json) {
-    std::cout << GainJson(result).dump(2) << '\n';
+    std::cout << types::JsonText(GainJson(result), 2) << '\n';
   } else {
     tools::PrintSection(section);
   }
@@ -130,7 +131,7 @@ void TunePressure(const Options& options) {
   });
   bar.Finish();
   const report::Section section = PressureSection(sweep, points, watch.seconds());
-  const std::string json = PressureJson(sweep, points).dump(2) + "\n";
+  const std::string json = types::JsonText(PressureJson(sweep, points), 2) + "\n";
   if (!options.out.empty()) {
     report::WriteSection(options.out, section);
     config::WriteFileAtomically(options.out / "pressure.json", json);

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "components/base/config/config.h"
+#include "components/base/types/json_text.h"
 
 namespace sinew::tune {
 namespace {
@@ -36,7 +37,7 @@ std::string LineOf(const GainTrial& trial) {
                {"faulted", score.faulted},
                {"fell_at_s", nullptr}};
   if (score.fell_at_s) json["fell_at_s"] = *score.fell_at_s;
-  return json.dump() + "\n";
+  return types::JsonText(json) + "\n";
 }
 
 GainTrial TrialOf(const Json& json) {
@@ -64,8 +65,8 @@ std::string Difference(const Json& found, const Json& wanted) {
   for (const char* key : {"schema", "trials", "seed"}) {
     if (!found.contains(key) || found[key] != wanted[key]) {
       return "'" + std::string(key) + "' is " +
-             (found.contains(key) ? found[key].dump() : std::string("missing")) + ", expected " +
-             wanted[key].dump();
+             (found.contains(key) ? types::JsonText(found[key]) : std::string("missing")) +
+             ", expected " + types::JsonText(wanted[key]);
     }
   }
   const Json inputs = found.value("inputs", Json::object());
@@ -91,7 +92,7 @@ std::string HashOfFile(const std::filesystem::path& path) {
 }
 
 TrialTable::TrialTable(const std::filesystem::path& path, const TableHead& head)
-    : path_(path), head_(HeadJson(head).dump() + "\n") {
+    : path_(path), head_(types::JsonText(HeadJson(head)) + "\n") {
   const bool there = std::filesystem::exists(path);
   const std::string text = there ? config::ReadFile(path, config::kLargestData) : "";
   const std::size_t whole = text.rfind('\n') + 1;  // 0: not even a first line

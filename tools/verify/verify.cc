@@ -7,6 +7,7 @@
 
 #include "components/base/config/config.h"
 #include "components/base/types/control_mode.h"
+#include "components/base/types/json_text.h"
 #include "components/bodies/links/file/urdf_file.h"
 #include "components/model/report/report.h"
 #include "sim/surrogate/surrogate.h"
@@ -259,7 +260,7 @@ std::string FormatJson(const Names& names, types::JointKind kind,
                         {"after_rms", Mean(tracking, true)},
                         {"runs", runs}};
   }
-  return root.dump(2) + "\n";
+  return types::JsonText(root, 2) + "\n";
 }
 
 }  // namespace sinew::verify

@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "components/base/types/clock/clock.h"
+#include "components/base/types/json_text.h"
 #include "components/topics/node/host_name.h"
 #include "components/topics/node/node.h"
 #include "components/topics/node/realtime.h"
@@ -128,15 +129,13 @@ class Live {
     routes_.page = &page;
     routes_.robot = robot;
     routes_.allow_arming = view.allow_arming;
-    routes_.info = Json{
-        {"mode", "live"},
-        {"name", options.name},
-        {"domain", options.domain_id},
-        {"version", node::kVersion},
-        {"allow_arming", view.allow_arming},
-        {"robot", RobotInfo(robot)},
-        {"signals",
-         view.signals}}.dump();
+    routes_.info = types::JsonText(Json{{"mode", "live"},
+                                        {"name", options.name},
+                                        {"domain", options.domain_id},
+                                        {"version", node::kVersion},
+                                        {"allow_arming", view.allow_arming},
+                                        {"robot", RobotInfo(robot)},
+                                        {"signals", view.signals}});
     routes_.status = [this] {
       const std::lock_guard lock(mutex_);
       return status_;
@@ -263,18 +262,17 @@ class Live {
                          {"waiting", client.waiting}});
     }
     const auto robot = desk_.robot(now_ns);
-    return Json{{"robot_state", robot ? Json(NameOf(*robot)) : Json(nullptr)},
-                {"action", desk_.Report()},
-                {"recording",
-                 {{"running", recorder_.running()},
-                  {"stopping", recorder_.stopping()},
-                  {"file", recorder_.file().string()},
-                  {"problem", recorder_.problem()}}},
-                {"participants", participants_.Rows(now_ns)},
-                {"topics", std::move(topics)},
-                {"clients", std::move(clients)},
-                {"problems", node_.Problems()}}
-        .dump(-1, ' ', false, Json::error_handler_t::replace);
+    return types::JsonText(Json{{"robot_state", robot ? Json(NameOf(*robot)) : Json(nullptr)},
+                                {"action", desk_.Report()},
+                                {"recording",
+                                 {{"running", recorder_.running()},
+                                  {"stopping", recorder_.stopping()},
+                                  {"file", recorder_.file().string()},
+                                  {"problem", recorder_.problem()}}},
+                                {"participants", participants_.Rows(now_ns)},
+                                {"topics", std::move(topics)},
+                                {"clients", std::move(clients)},
+                                {"problems", node_.Problems()}});
   }
 
   RecorderProcess recorder_;
@@ -316,11 +314,13 @@ void RunRecorded(const node::Options& options, const node::StopFlag& stop, const
   routes.page = &page;
   routes.robot = robot;
   routes.recorded = &recorded;
-  routes.info =
-      Json{{"mode", "recording"},       {"name", options.name},  {"domain", nullptr},
-           {"version", node::kVersion}, {"allow_arming", false}, {"robot", RobotInfo(robot)},
-           {"signals", view.signals}}
-          .dump();
+  routes.info = types::JsonText(Json{{"mode", "recording"},
+                                     {"name", options.name},
+                                     {"domain", nullptr},
+                                     {"version", node::kVersion},
+                                     {"allow_arming", false},
+                                     {"robot", RobotInfo(robot)},
+                                     {"signals", view.signals}});
   const ServerOptions server_options = OptionsOfServer(options, view);
   const Server server(server_options, {},
                       [&routes](const HttpRequest& request) { return routes.Answer(request); });

@@ -5,6 +5,8 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "components/base/types/json_text.h"
+
 namespace sinew::live {
 
 namespace {
@@ -34,7 +36,7 @@ ClientMessage ParseSubscribe(const Json& message) {
     const auto id = entry.is_object() ? Number32(entry, "id") : std::nullopt;
     const auto channel = entry.is_object() ? Number32(entry, "channelId") : std::nullopt;
     if (!id || !channel) {
-      return Refused{"subscribe: " + entry.dump() +
+      return Refused{"subscribe: " + types::JsonText(entry) +
                      ", expected {id, channelId} with numbers from 0 to 4294967295"};
     }
     out.items.push_back({SubscriptionNumber{*id}, ChannelNumber{*channel}});
@@ -52,7 +54,8 @@ ClientMessage ParseUnsubscribe(const Json& message) {
     const bool fits = entry.is_number_unsigned() &&
                       entry.get<std::uint64_t>() <= std::numeric_limits<std::uint32_t>::max();
     if (!fits) {
-      return Refused{"unsubscribe: " + entry.dump() + ", expected a number from 0 to 4294967295"};
+      return Refused{"unsubscribe: " + types::JsonText(entry) +
+                     ", expected a number from 0 to 4294967295"};
     }
     out.subscriptions.push_back(SubscriptionNumber{entry.get<std::uint32_t>()});
   }
@@ -69,13 +72,12 @@ void PutLittleEndian(Value value, std::byte* out) {
 }  // namespace
 
 std::string ServerInfoText(std::string_view name, std::string_view session) {
-  return Json{{"op", "serverInfo"},
-              {"name", name},
-              {"capabilities", Json::array()},
-              {"supportedEncodings", {"cdr"}},
-              {"metadata", Json::object()},
-              {"sessionId", session}}
-      .dump();
+  return types::JsonText(Json{{"op", "serverInfo"},
+                              {"name", name},
+                              {"capabilities", Json::array()},
+                              {"supportedEncodings", {"cdr"}},
+                              {"metadata", Json::object()},
+                              {"sessionId", session}});
 }
 
 std::string AdvertiseText(const std::vector<Channel>& channels) {
@@ -88,14 +90,14 @@ std::string AdvertiseText(const std::vector<Channel>& channels) {
                     {"schema", channel.schema},
                     {"schemaEncoding", "omgidl"}});
   }
-  return Json{{"op", "advertise"}, {"channels", std::move(list)}}.dump();
+  return types::JsonText(Json{{"op", "advertise"}, {"channels", std::move(list)}});
 }
 
 std::string StatusText(StatusLevel level, std::string_view message, std::string_view id) {
   Json status = {{"op", "status"}, {"level", static_cast<int>(level)}, {"message", message}};
   if (!id.empty()) status["id"] = id;
   // A client's own words may stand in the message: bytes that are no UTF-8 are replaced.
-  return status.dump(-1, ' ', false, Json::error_handler_t::replace);
+  return types::JsonText(status);
 }
 
 ClientMessage ParseClientText(std::string_view text) {
@@ -133,7 +135,7 @@ std::string_view ChooseSubprotocol(std::string_view header) {
     std::string_view word = header.substr(0, comma);
     while (!word.empty() && (word.front() == ' ' || word.front() == '\t')) word.remove_prefix(1);
     while (!word.empty() && (word.back() == ' ' || word.back() == '\t')) word.remove_suffix(1);
-    for (const std::string_view ours : {kSubprotocol, kBatchSubprotocol}) {
+    for (const std::string_view ours : {kSubprotocol, kSdkSubprotocol, kBatchSubprotocol}) {
       if (word == ours) return ours;
     }
     header.remove_prefix(std::min(comma + 1, header.size()));

@@ -20,6 +20,8 @@
 namespace sinew::live {
 
 inline constexpr std::string_view kSubprotocol = "foxglove.websocket.v1";
+// The same by the name that clients of 2025 on may offer alone.
+inline constexpr std::string_view kSdkSubprotocol = "foxglove.sdk.v1";
 inline constexpr std::string_view kBatchSubprotocol = "sinew.batch.v1";
 
 // Of the channels, from 1 on; of a client's subscriptions, which the client numbers.

@@ -1,5 +1,7 @@
 #include "tools/view/recorded_view.h"
 
+#include <spdlog/spdlog.h>
+
 #include <algorithm>
 #include <charconv>
 #include <initializer_list>
@@ -8,6 +10,8 @@
 #include <sstream>
 
 #include "components/base/config/config.h"
+#include "components/base/types/json_text.h"
+#include "components/base/types/seconds.h"
 
 namespace sinew::live {
 
@@ -105,26 +109,29 @@ RecordedView::RecordedView(const std::filesystem::path& file) try
       AddStatus(reader->second, message);
     }
   }
+  EndTicks();
   if (sessions_.empty()) {
     throw UsageError(file_ + ": no " + kTickTopic + ", expected a recording of a robot");
   }
 } catch (const recording::McapError& error) {
   throw UsageError(file.string() + ": " + error.what());
-} catch (const recording::IdlError& error) {
-  throw UsageError(file.string() + ": a schema: " + error.what());
 } catch (const recording::CdrError& error) {
   throw UsageError(file.string() + ": a message of joint_state: " + error.what());
 }
 
 void RecordedView::AddChannel(recording::ChannelId id, const recording::McapChannel& channel,
                               std::uint64_t messages) {
-  const recording::McapSchema* schema = reader_.SchemaOf(channel);
-  if (schema == nullptr || schema->encoding != "omgidl" || channel.message_encoding != "cdr") {
+  recording::MessageType readable;
+  try {
+    readable = recording::MessageTypeOf(reader_, channel);
+  } catch (const recording::NotReadable& error) {
+    spdlog::warn("left out: {}", error.what());
     return;
   }
-  auto idl = std::make_unique<recording::IdlSchema>(recording::IdlSchema::Parse(schema->data));
-  const recording::IdlType& type = idl->Struct(schema->name);
+  const recording::McapSchema* schema = reader_.SchemaOf(channel);
+  const recording::IdlType& type = *readable.type;
   if (!recording::HasField(type, "header.session_id")) return;
+  if (!recording::HasField(type, "header.tick")) return;
   auto topic = std::find_if(topics_.begin(), topics_.end(), [&](const RecordedTopic& other) {
     return other.topic == channel.topic && other.schema == schema->data;
   });
@@ -132,9 +139,10 @@ void RecordedView::AddChannel(recording::ChannelId id, const recording::McapChan
     topic = topics_.insert(topic, {channel.topic, schema->name, schema->data, 0});
   }
   topic->messages += messages;
-  Reader reader{static_cast<std::size_t>(topic - topics_.begin()), std::move(idl),
-                recording::CdrField(type, "header.session_id"),
-                recording::CdrField(type, "header.stamp_ns"), std::nullopt};
+  Reader reader{
+      static_cast<std::size_t>(topic - topics_.begin()), readable,
+      recording::CdrField(type, "header.session_id"),    recording::CdrField(type, "header.tick"),
+      recording::CdrField(type, "header.stamp_ns"),      std::nullopt};
   if (channel.topic == kStatusTopic) reader.status.emplace(type);
   readers_.emplace(id, std::move(reader));
 }
@@ -142,19 +150,40 @@ void RecordedView::AddChannel(recording::ChannelId id, const recording::McapChan
 void RecordedView::AddTick(const Reader& reader, const recording::McapMessage& message) {
   const auto id = static_cast<std::uint64_t>(reader.session.AsInt(message.data));
   const std::int64_t stamp_ns = reader.stamp.AsInt(message.data);
+  const auto tick = static_cast<std::uint64_t>(reader.tick.AsInt(message.data));
   // The newest first: a session that has ended has no later tick.
   const auto found = std::find_if(sessions_.rbegin(), sessions_.rend(),
                                   [id](const RecordedSession& other) { return other.id == id; });
+  auto index = static_cast<std::size_t>(sessions_.rend() - found);
   if (found == sessions_.rend()) {
-    sessions_.push_back({id, stamp_ns, stamp_ns, 1});
-    times_.push_back({{stamp_ns, message.log_time_ns}});
-    return;
+    sessions_.push_back({.id = id});
+    ticks_.emplace_back();
+    index = sessions_.size();
   }
-  if (stamp_ns <= found->end_ns) return;
-  found->end_ns = stamp_ns;
-  ++found->ticks;
-  times_[static_cast<std::size_t>(sessions_.rend() - found) - 1].push_back(
-      {stamp_ns, message.log_time_ns});
+  ticks_[index - 1].push_back({tick, stamp_ns, message.log_time_ns});
+}
+
+// Ticks in their order, and their times: a clock that was set back leaves neither out.
+void RecordedView::EndTicks() {
+  times_.resize(sessions_.size());
+  clocks_.resize(sessions_.size());
+  for (std::size_t i = 0; i < sessions_.size(); ++i) {
+    std::stable_sort(ticks_[i].begin(), ticks_[i].end(),
+                     [](const Tick& a, const Tick& b) { return a.tick < b.tick; });
+    for (const Tick& tick : ticks_[i]) {
+      const std::int64_t time_ns = clocks_[i].Take(tick.tick, tick.stamp_ns);
+      if (!times_[i].empty() && time_ns <= times_[i].back().stamp_ns) continue;
+      times_[i].push_back({time_ns, tick.log_ns});
+    }
+    sessions_[i].start_ns = times_[i].front().stamp_ns;
+    sessions_[i].end_ns = times_[i].back().stamp_ns;
+    sessions_[i].ticks = times_[i].size();
+    if (clocks_[i].set_back_ns() > 0) {
+      spdlog::warn("session {}: the clock was set back by {} s; time goes on", i + 1,
+                   types::SecondsText(1e-9 * static_cast<double>(clocks_[i].set_back_ns())));
+    }
+  }
+  ticks_.clear();
 }
 
 void RecordedView::AddStatus(const Reader& reader, const recording::McapMessage& message) {
@@ -182,9 +211,8 @@ std::string RecordedView::Description() const {
                       {"schema", topic.schema},
                       {"messages", topic.messages}});
   }
-  return nlohmann::ordered_json{
-      {"file", file_}, {"sessions", std::move(sessions)}, {"topics", std::move(topics)}}
-      .dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+  return types::JsonText(nlohmann::ordered_json{
+      {"file", file_}, {"sessions", std::move(sessions)}, {"topics", std::move(topics)}});
 }
 
 std::size_t RecordedView::IndexOf(std::size_t session) const {
@@ -203,13 +231,28 @@ std::int64_t RecordedView::LogTime(std::size_t index, std::int64_t stamp_ns) con
   return found == times.end() ? times.back().log_ns : found->log_ns;
 }
 
+std::pair<std::int64_t, std::int64_t> RecordedView::LogTimes(std::size_t index,
+                                                             const Query& query) const {
+  std::int64_t first_ns = LogTime(index, query.from_ns), last_ns = LogTime(index, query.to_ns);
+  if (clocks_[index].set_back_ns() > 0) {
+    for (const Times& at : times_[index]) {
+      if (at.stamp_ns < query.from_ns || at.stamp_ns > query.to_ns) continue;
+      first_ns = std::min(first_ns, at.log_ns);
+      last_ns = std::max(last_ns, at.log_ns);
+    }
+  }
+  return {first_ns, last_ns};
+}
+
 std::string RecordedView::Messages(const Query& query) const {
   const std::size_t index = IndexOf(query.session);
   const std::uint64_t id = sessions_[index].id;
   recording::MessageFilter filter;
   filter.topics = std::set<std::string>(query.topics.begin(), query.topics.end());
-  filter.start_ns = std::max<std::int64_t>(LogTime(index, query.from_ns) - kLogMargin_ns, 0);
-  filter.end_ns = LogTime(index, query.to_ns) + kLogMargin_ns;
+  const auto [first_ns, last_ns] = LogTimes(index, query);
+  filter.start_ns = std::max<std::int64_t>(first_ns - kLogMargin_ns, 0);
+  filter.end_ns = last_ns + kLogMargin_ns;
+  filter.in_file_order = clocks_[index].set_back_ns() > 0;
   recording::McapMessages messages = reader_.Messages(filter);
   recording::McapMessage message;
   std::string out;
@@ -219,7 +262,9 @@ std::string RecordedView::Messages(const Query& query) const {
       if (found == readers_.end()) continue;
       const Reader& reader = found->second;
       if (static_cast<std::uint64_t>(reader.session.AsInt(message.data)) != id) continue;
-      const std::int64_t stamp_ns = reader.stamp.AsInt(message.data);
+      const std::int64_t stamp_ns =
+          reader.stamp.AsInt(message.data) +
+          clocks_[index].ShiftOf(static_cast<std::uint64_t>(reader.tick.AsInt(message.data)));
       if (stamp_ns < query.from_ns || stamp_ns > query.to_ns) continue;
       AppendLittleEndian(static_cast<std::uint16_t>(reader.index), &out);
       AppendLittleEndian(static_cast<std::uint64_t>(stamp_ns), &out);
@@ -240,8 +285,7 @@ std::string RecordedView::Messages(const Query& query) const {
 
 std::string RecordedView::ParticipantsAt(const Moment& moment) const {
   const std::size_t index = IndexOf(moment.session);
-  return participants_.Rows(LogTime(index, moment.at_ns))
-      .dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+  return types::JsonText(participants_.Rows(LogTime(index, moment.at_ns)));
 }
 
 }  // namespace sinew::live

@@ -14,11 +14,14 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "components/record/recording/cdr.h"
 #include "components/record/recording/file/file_io.h"
 #include "components/record/recording/mcap_reader.h"
+#include "components/record/recording/message_type.h"
+#include "components/record/recording/session_clock.h"
 #include "tools/view/recorded_participants.h"
 
 namespace sinew::live {
@@ -69,23 +72,30 @@ class RecordedView {
 
  private:
   struct Times {
-    std::int64_t stamp_ns, log_ns;
+    std::int64_t stamp_ns, log_ns;  // stamp: of the session's clock
+  };
+  struct Tick {
+    std::uint64_t tick;
+    std::int64_t stamp_ns, log_ns;  // as recorded
   };
   struct Reader {
     std::size_t index;  // in topics_
-    std::unique_ptr<recording::IdlSchema> idl;
-    recording::CdrField session, stamp;
+    recording::MessageType type;
+    recording::CdrField session, tick, stamp;
     std::optional<StatusReader> status;  // of component_status
   };
 
   void AddChannel(recording::ChannelId id, const recording::McapChannel& channel,
                   std::uint64_t messages);
   void AddTick(const Reader& reader, const recording::McapMessage& message);
+  void EndTicks();
   void AddStatus(const Reader& reader, const recording::McapMessage& message);
   // Index in sessions_ and times_ of one that is numbered from 1 on.
   std::size_t IndexOf(std::size_t session) const;
   // When the first joint_state of that stamp or a later one was received.
   std::int64_t LogTime(std::size_t index, std::int64_t stamp_ns) const;
+  // When those from one stamp to another were received.
+  std::pair<std::int64_t, std::int64_t> LogTimes(std::size_t index, const Query& query) const;
 
   std::string file_;
   recording::FileSource source_;
@@ -93,7 +103,9 @@ class RecordedView {
   std::vector<RecordedTopic> topics_;
   std::map<recording::ChannelId, Reader> readers_;
   std::vector<RecordedSession> sessions_;
-  std::vector<std::vector<Times>> times_;  // of each session's joint_state, in order of both
+  std::vector<std::vector<Tick>> ticks_;         // of each session's joint_state, until EndTicks
+  std::vector<std::vector<Times>> times_;        // the same, in order of the stamps
+  std::vector<recording::SessionClock> clocks_;  // of each session
   RecordedParticipants participants_;
 };
 

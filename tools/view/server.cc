@@ -335,7 +335,8 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
       const std::string_view subprotocol = ChooseSubprotocol({offered.data(), offered.size()});
       if (subprotocol.empty()) {
         return Send(request, {400, "text/plain; charset=utf-8",
-                              "expected the subprotocol " + std::string(kSubprotocol) + "\n"});
+                              "expected the subprotocol " + std::string(kSubprotocol) + " or " +
+                                  std::string(kSdkSubprotocol) + "\n"});
       }
       place_.reset();
       std::make_shared<Client>(std::move(stream_), shared_)

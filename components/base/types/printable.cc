@@ -1,5 +1,7 @@
 #include "components/base/types/printable.h"
 
+#include <boost/nowide/utf/convert.hpp>
+
 namespace sinew::types {
 
 namespace {
@@ -53,6 +55,10 @@ std::string Printable(std::string_view text, Lines lines) {
     text.remove_prefix(size > 0 ? size : 1);
   }
   return out;
+}
+
+std::string Utf8(std::string_view text) {
+  return boost::nowide::utf::convert_string<char>(text.data(), text.data() + text.size());
 }
 
 }  // namespace sinew::types

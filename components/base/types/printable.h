@@ -1,5 +1,6 @@
-// Text of others (names and reasons from the network, contents of files) without control
-// characters, so that it cannot move a terminal's cursor, clear its screen or forge lines.
+// Text of others (names and reasons from the network, names and contents of files) as it can be
+// shown: without control characters, so that it cannot move a terminal's cursor, clear its screen
+// or forge lines; as UTF-8.
 #pragma once
 
 #include <string>
@@ -19,5 +20,9 @@ bool IsPrintable(std::string_view text, Lines lines = Lines::kOne);
 // a line end by \n. They are those of ASCII and, as UTF-8, of ISO 8859-1 (C1, whose CSI does what
 // ESC [ does). All else stays.
 std::string Printable(std::string_view text, Lines lines = Lines::kOne);
+
+// The text with U+FFFD for what is no UTF-8: names of files are bytes, and JSON, HTML and MCAP are
+// not.
+std::string Utf8(std::string_view text);
 
 }  // namespace sinew::types

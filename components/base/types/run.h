@@ -20,6 +20,8 @@ struct Run {
   std::string content_hash;                   // of the samples, for the history of a model
   // Every row is a separate measurement at standstill: nothing is known between two rows.
   bool held = false;
+  // By how much the recording's clock was set back while it ran; time_s goes on.
+  double clock_set_back_s = 0.0;
   // Interpolated rows of the file that were left out (identify/interpolated.h).
   Eigen::Index interpolated_rows = 0;
   // Angles whose encoder starts each recording at an arbitrary zero: the true angle is the reading

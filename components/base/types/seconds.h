@@ -1,4 +1,5 @@
-// Seconds, as they are written in a configuration or on a command line, to whole nanoseconds.
+// Seconds, as they are written in a configuration or on a command line, to whole nanoseconds; as
+// text.
 #pragma once
 
 #include <chrono>
@@ -23,6 +24,18 @@ inline std::chrono::nanoseconds ToNanoseconds(double seconds) {
     throw std::invalid_argument(text);
   }
   return std::chrono::nanoseconds(std::llround(seconds * 1e9));
+}
+
+// To a millisecond, without zeros at the end: stamps since 1970 keep all of theirs.
+inline std::string SecondsText(double seconds) {
+  char text[340];
+  std::string out(text,
+                  static_cast<std::size_t>(std::snprintf(text, sizeof text, "%.3f", seconds)));
+  if (std::isfinite(seconds)) {
+    out.erase(out.find_last_not_of('0') + 1);
+    if (out.ends_with('.')) out.pop_back();
+  }
+  return out;
 }
 
 }  // namespace sinew::types

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "components/base/types/joined.h"
+#include "components/base/types/seconds.h"
 #include "components/model/gate/checks.h"
 #include "components/model/identify/processing.h"
 #include "components/model/identify/statistics.h"
@@ -167,6 +168,7 @@ std::vector<Finding> FindSampling(const std::vector<Run>& runs) {
   std::vector<Sampling> samplings;
   std::vector<double> rates_Hz;
   Eigen::Index lost = 0, interpolated = 0;
+  double set_back_s = 0.0;
   double jitter = 0.0, jitter_s = 0.0;  // the largest, as a share of the period and in seconds
   for (const Run& run : runs) {
     samplings.push_back(SamplingOf(run));
@@ -174,6 +176,7 @@ std::vector<Finding> FindSampling(const std::vector<Run>& runs) {
     rates_Hz.push_back(at.rate_Hz);
     lost += at.lost;
     interpolated += run.interpolated_rows;
+    set_back_s += run.clock_set_back_s;
     if (at.jitter_s * at.rate_Hz <= jitter) continue;
     jitter = at.jitter_s * at.rate_Hz;
     jitter_s = at.jitter_s;
@@ -184,6 +187,12 @@ std::vector<Finding> FindSampling(const std::vector<Run>& runs) {
         {"jitter",
          "stamps scatter by " + Number(100.0 * jitter) + " % of a period about an even grid",
          jitter_s, "s"});
+  }
+  if (set_back_s > 0.0) {
+    out.push_back({"clock_set_back",
+                   "the clock of the recording was set back by " + types::SecondsText(set_back_s) +
+                       " s; rows are in the order of their ticks, and time goes on",
+                   set_back_s, "s"});
   }
   if (interpolated > 0) {
     out.push_back({"interpolated_rows",

@@ -6,6 +6,7 @@
 #include <set>
 #include <stdexcept>
 
+#include "components/base/types/seconds.h"
 #include "components/model/gate/channels.h"
 #include "components/model/gate/checks.h"
 #include "components/model/gate/rules.h"
@@ -59,10 +60,12 @@ std::string Place(const Measurement& at) {
   std::string out = at.signal;
   if (!at.recording.empty()) out += (out.empty() ? "" : " of ") + at.recording;
   if (at.last_row >= at.first_row && !at.recording.empty()) {
-    out += at.first_row == at.last_row
-               ? ", row " + std::to_string(at.first_row) + " (" + Number(at.from_s) + " s)"
-               : ", rows " + std::to_string(at.first_row) + " to " + std::to_string(at.last_row) +
-                     " (" + Number(at.from_s) + " to " + Number(at.to_s) + " s)";
+    out +=
+        at.first_row == at.last_row
+            ? ", row " + std::to_string(at.first_row) + " (" + types::SecondsText(at.from_s) + " s)"
+            : ", rows " + std::to_string(at.first_row) + " to " + std::to_string(at.last_row) +
+                  " (" + types::SecondsText(at.from_s) + " to " + types::SecondsText(at.to_s) +
+                  " s)";
   }
   return out.empty() ? "model" : out;
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "components/base/types/seconds.h"
 #include "components/model/gate/channels.h"
 #include "components/model/gate/rules.h"
 #include "components/model/report/section.h"
@@ -45,9 +46,14 @@ std::string TimeRange(const std::vector<Panel>& panels) {
   return high > low ? "set xrange [" + PictureNumber(low) + ":" + PictureNumber(high) + "]\n" : "";
 }
 
-// Panels under each other, over the same time.
-Picture Stack(const std::string& title, const std::string& caption,
-              const std::vector<Panel>& panels) {
+// Panels under each other, over the same time: the recording's, from its start.
+Picture Stack(const std::string& title, const std::string& caption, const Run& run,
+              std::vector<Panel> panels) {
+  for (Panel& panel : panels) {
+    for (Line& line : panel.lines) {
+      for (double& x : line.x) x -= run.time_s[0];
+    }
+  }
   std::string data, plots;
   const auto count = panels.size();
   // Pixels: a line of text above, the axis with its name below, a gap between panels.
@@ -58,7 +64,7 @@ Picture Stack(const std::string& title, const std::string& caption,
     const double top = height - kAbove - kPanel * static_cast<double>(p);
     plots += "set tmargin at screen " + PictureNumber(top / height) + "\nset bmargin at screen " +
              PictureNumber((top - kPanel + (p + 1 == count ? 0.0 : kGap)) / height) + "\n";
-    plots += p + 1 == count ? "set format x '%g'\nset xlabel 'time, s'\n"
+    plots += p + 1 == count ? "set format x '%g'\nset xlabel 'time from the start, s'\n"
                             : "set format x ''\nunset xlabel\n";
     plots += "set ylabel '" + panels[p].label + "'\nplot ";
     for (std::size_t l = 0; l < panels[p].lines.size(); ++l) {
@@ -139,7 +145,8 @@ Picture AtRows(const Fault& fault, const Run& run, Signal signal) {
     panels.push_back(
         {Label(*beside, run.kind), {RowsOf(run, *beside, first, last, kAfterColour, "")}});
   }
-  return Stack(fault.rule + ": " + fault.signal + " of " + fault.recording, fault.reason, panels);
+  return Stack(fault.rule + ": " + fault.signal + " of " + fault.recording, fault.reason, run,
+               panels);
 }
 
 // Two speeds that should be one.
@@ -165,7 +172,7 @@ Picture Speeds(const Fault& fault, const Run& run, const actuator::JointModel& m
   }
   const std::string unit =
       run.kind == types::JointKind::kLinear && angle == Signal::kPosition ? "m/s" : "rad/s";
-  return Stack(fault.rule + ": " + fault.signal + " of " + fault.recording, fault.reason,
+  return Stack(fault.rule + ": " + fault.signal + " of " + fault.recording, fault.reason, run,
                {{"speed, " + unit, {derived, shown}}});
 }
 
@@ -177,7 +184,7 @@ Picture Overview(const Run& run, const std::string& title, const std::string& ca
                       {RowsOf(run, *signal, 0, run.size() - 1,
                               panels.empty() ? kAfterColour : kMeasuredColour, "")}});
   }
-  return Stack(title, caption, panels);
+  return Stack(title, caption, run, panels);
 }
 
 bool Drawable(const Run& run) { return run.size() > 2 && (AngleOf(run) || DriveOf(run)); }
@@ -244,8 +251,8 @@ std::string FormatFaultTable(const std::vector<Fault>& faults) {
     if (!fault.recording.empty()) where += (where.empty() ? "" : "<br>") + Escape(fault.recording);
     if (fault.last_row >= fault.first_row && !fault.recording.empty()) {
       where += "<br>rows " + std::to_string(fault.first_row) + " to " +
-               std::to_string(fault.last_row) + ", " + Short(fault.from_s) + " to " +
-               Short(fault.to_s) + " s";
+               std::to_string(fault.last_row) + ", " + types::SecondsText(fault.from_s) + " to " +
+               types::SecondsText(fault.to_s) + " s";
     }
     const std::string accept = fault.accepted ? "accepted"
                                               : "to continue in spite of it: <code>" +

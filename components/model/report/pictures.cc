@@ -60,7 +60,7 @@ Axis AxisFor(const std::string& variable, types::JointKind kind) {
     return {variable, "temperature, degC", [](const JointSample& x) { return x.temperature_degC; }};
   }
   if (variable == "time_s") {
-    return {variable, "time, s", [](const JointSample& x) { return x.time_s; }};
+    return {variable, "time from the start, s", [](const JointSample& x) { return x.time_s; }};
   }
   if (variable == "load_force_N") {
     return {variable, "load force, N", [](const JointSample& x) { return x.load_force_N; }};
@@ -111,7 +111,7 @@ Picture MeasuredAgainstModel(const Report& report, const Design& held_out,
        ++i) {
     if (rows.time_s[i] > rows.time_s[first] + window_s) break;
     const bool used = rows.used[static_cast<std::size_t>(i)];
-    data += PictureNumber(rows.time_s[i]) + " " + PictureNumber(torque[i]) + " " +
+    data += PictureNumber(rows.time_s[i] - rows.time_s[0]) + " " + PictureNumber(torque[i]) + " " +
             (used ? PictureNumber(torque[i] - trace.before_held_out.residual[i]) : "NaN") + " " +
             (used ? PictureNumber(torque[i] - trace.after_held_out.residual[i]) : "NaN") + "\n";
   }
@@ -121,8 +121,8 @@ Picture MeasuredAgainstModel(const Report& report, const Design& held_out,
   out.caption = "Drive torque at the output, busiest " + Short(window_s) +
                 " s. Gaps in the model: rest and reversals, which are excluded.";
   out.script =
-      PictureHead(340) + data + "set xlabel 'time, s'\nset ylabel 'drive, " + unit + "'\n" +
-      "plot $d u 1:2 w l lw 3 lc rgb '" + kMeasuredColour +
+      PictureHead(340) + data + "set xlabel 'time from the start, s'\nset ylabel 'drive, " + unit +
+      "'\n" + "plot $d u 1:2 w l lw 3 lc rgb '" + kMeasuredColour +
       "' t 'measured', '' u 1:3 w l lw 1.6 lc rgb '" + kBeforeColour + "' t 'refitted'" +
       (changed ? std::string(", '' u 1:4 w l lw 1.6 lc rgb '") + kAfterColour + "' t 'corrected'"
                : "") +
@@ -139,7 +139,7 @@ Picture ResidualOverTime(const Report& report, const Design& held_out) {
   std::string data = "$d << EOD\n";
   for (Eigen::Index i = 0; i < rows.size(); i += step) {
     if (rows.used[static_cast<std::size_t>(i)]) {
-      data += PictureNumber(rows.time_s[i]) + " " +
+      data += PictureNumber(rows.time_s[i] - rows.time_s[0]) + " " +
               PictureNumber(trace.before_held_out.residual[i]) + " " +
               PictureNumber(trace.after_held_out.residual[i]) + "\n";
     } else {
@@ -154,8 +154,8 @@ Picture ResidualOverTime(const Report& report, const Design& held_out) {
       " " + unit + " rms refitted, " + Short(trace.after_held_out.rms) + " " + unit +
       " rms corrected.";
   out.script =
-      PictureHead(300) + data + "set xlabel 'time, s'\nset ylabel 'residual, " + unit +
-      "'\nplot $d u 1:2 w l lw 1 lc rgb '" + kBeforeColour + "' t 'refitted'" +
+      PictureHead(300) + data + "set xlabel 'time from the start, s'\nset ylabel 'residual, " +
+      unit + "'\nplot $d u 1:2 w l lw 1 lc rgb '" + kBeforeColour + "' t 'refitted'" +
       (changed ? std::string(", '' u 1:3 w l lw 1 lc rgb '") + kAfterColour + "' t 'corrected'"
                : "") +
       "\n";
@@ -168,7 +168,8 @@ Picture ResidualOverVariable(const Report& report, const Design& design, const A
   const std::string unit = TorqueUnit(trace.corrected.kind);
   const bool changed = HasCorrection(trace);
   const std::vector<Eigen::Index> used = design.rows().UsedRows();
-  const Eigen::VectorXd x = design.Variable(axis.get);
+  Eigen::VectorXd x = design.Variable(axis.get);
+  if (axis.name == "time_s") x.array() -= x[0];
   const std::size_t step = std::max<std::size_t>(1, used.size() / kMostPoints);
   std::string points = "$p << EOD\n";
   for (std::size_t k = 0; k < used.size(); k += step) {

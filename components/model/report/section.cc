@@ -4,6 +4,8 @@
 #include <cstdio>
 #include <stdexcept>
 
+#include "components/base/types/printable.h"
+
 namespace sinew::report {
 
 namespace {
@@ -50,7 +52,7 @@ void CheckSection(const Section& section) {
 
 std::string Escape(const std::string& text) {
   std::string out;
-  for (const char c : text) {
+  for (const char c : types::Utf8(text)) {
     switch (c) {
       case '&':
         out += "&amp;";

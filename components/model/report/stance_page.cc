@@ -140,15 +140,16 @@ Picture SeriesPicture(const stance_fit::BalanceSeries& series, Eigen::Index colu
   Picture picture;
   picture.title = what + ": what the models leave of the held-out recordings";
   picture.caption = "Rows in use: both feet flat, every moving joint away from rest and reversals.";
-  picture.script = PictureHead(300) + "set xlabel 'time, s'\nset ylabel '" + unit + "'\n";
+  picture.script =
+      PictureHead(300) + "set xlabel 'time from the start, s'\nset ylabel '" + unit + "'\n";
   const Eigen::Index rows = series.time_s.size();
   const Eigen::Index step = std::max<Eigen::Index>(1, rows / kMostRows);
   for (const auto& [name, values] :
        {std::pair{"$before", &series.before}, std::pair{"$after", &series.after}}) {
     picture.script += std::string(name) + " << EOD\n";
     for (Eigen::Index i = 0; i < rows; i += step) {
-      picture.script +=
-          PictureNumber(series.time_s[i]) + " " + PictureNumber((*values)(i, column)) + "\n";
+      picture.script += PictureNumber(series.time_s[i] - series.time_s[0]) + " " +
+                        PictureNumber((*values)(i, column)) + "\n";
     }
     picture.script += "EOD\n";
   }

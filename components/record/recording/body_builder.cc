@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "components/record/recording/cdr.h"
+#include "components/record/recording/message_type.h"
 #include "components/record/recording/run_import.h"
 
 namespace sinew::recording {
@@ -20,7 +21,7 @@ constexpr Eigen::Index kQuaternion = 4, kAxes = 3;
 enum class BodyTopic { kJoints, kFeet, kImu };
 
 struct BodyDecoder {
-  std::shared_ptr<const IdlSchema> idl;  // of the fields' types
+  MessageType type;
   BodyTopic topic = BodyTopic::kJoints;
   std::string name;
   std::optional<CdrField> session_id, tick, stamp_ns;
@@ -40,15 +41,9 @@ void AddArray(const IdlType& type, const std::string& name, int count,
 }
 
 BodyDecoder MakeBodyDecoder(const McapReader& reader, const McapChannel& channel, BodyTopic topic) {
-  const McapSchema* schema = reader.SchemaOf(channel);
-  if (schema == nullptr || schema->encoding != "omgidl" || channel.message_encoding != "cdr") {
-    throw std::invalid_argument("topic '" + channel.topic + "' has encoding '" +
-                                channel.message_encoding +
-                                "' and no omgidl schema, expected cdr with one");
-  }
   BodyDecoder out;
-  out.idl = std::make_shared<const IdlSchema>(IdlSchema::Parse(schema->data));
-  const IdlType& type = out.idl->Struct(schema->name);
+  out.type = MessageTypeOf(reader, channel);
+  const IdlType& type = *out.type.type;
   out.topic = topic;
   out.name = channel.topic;
   out.session_id.emplace(type, "header.session_id");

@@ -36,6 +36,9 @@ struct McapContents {
   McapStatistics statistics;
   std::optional<Recovery> recovery;  // empty unless the file was cut off
 
+  // A channel whose schema is not there; nullptr: none. Records come in any order, so this is asked
+  // at their end.
+  const McapChannel* WithoutSchema() const;
   // Throw McapError when the id is there already, differently. A schema with the id 0 is ignored
   // (specification).
   void AddSchema(std::uint64_t offset, McapSchema schema);

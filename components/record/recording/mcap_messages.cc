@@ -15,7 +15,7 @@ namespace sinew::recording {
 // an earlier one.
 struct McapMessages::Impl {
   struct Entry {
-    std::int64_t log_time_ns;
+    std::int64_t log_time_ns;  // in file order: 0
     std::uint64_t file_order;  // chunk or loose message, then position inside
     std::size_t inner_order;
     std::shared_ptr<const Bytes> bytes;
@@ -51,7 +51,7 @@ struct McapMessages::Impl {
     }
     if (!wanted.contains(head.channel_id)) return;
     if (head.log_time_ns < filter.start_ns || head.log_time_ns > filter.end_ns) return;
-    waiting.push({head.log_time_ns, offset, inner, bytes,
+    waiting.push({filter.in_file_order ? 0 : head.log_time_ns, offset, inner, bytes,
                   static_cast<std::size_t>(content.data() - bytes->data()), content.size()});
   }
 
@@ -91,10 +91,12 @@ McapMessages::McapMessages(const McapRecords& records, const McapContents& conte
         std::any_of(chunk.message_index_offsets.begin(), chunk.message_index_offsets.end(),
                     [&](const auto& entry) { return impl.wanted.contains(entry.first); });
     if (unknown || any)
-      impl.parts.push_back({chunk.start_time_ns, chunk.offset, chunk.length, true});
+      impl.parts.push_back(
+          {filter.in_file_order ? 0 : chunk.start_time_ns, chunk.offset, chunk.length, true});
   }
   for (const McapLooseMessage& loose : contents.loose) {
-    impl.parts.push_back({loose.log_time_ns, loose.offset, loose.size, false});
+    impl.parts.push_back(
+        {filter.in_file_order ? 0 : loose.log_time_ns, loose.offset, loose.size, false});
   }
   std::stable_sort(impl.parts.begin(), impl.parts.end(), [](const auto& a, const auto& b) {
     return std::tie(a.start_time_ns, a.offset) < std::tie(b.start_time_ns, b.offset);
@@ -107,8 +109,10 @@ McapMessages::~McapMessages() = default;
 
 bool McapMessages::Next(McapMessage* message) {
   Impl& impl = *impl_;
-  while (!impl.parts.empty() && (impl.waiting.empty() || impl.parts.front().start_time_ns <=
-                                                             impl.waiting.top().log_time_ns)) {
+  // In file order nothing of a later part comes before what waits.
+  while (!impl.parts.empty() && (impl.waiting.empty() || (!impl.filter.in_file_order &&
+                                                          impl.parts.front().start_time_ns <=
+                                                              impl.waiting.top().log_time_ns))) {
     impl.OpenPart();
   }
   if (impl.waiting.empty()) return false;

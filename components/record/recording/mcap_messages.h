@@ -19,6 +19,8 @@ struct MessageFilter {
   std::optional<std::set<std::string>> topics;  // none: all
   std::int64_t start_ns = 0;                    // log time, inclusive
   std::int64_t end_ns = std::numeric_limits<std::int64_t>::max();
+  // As they stand in the file, whatever their log times: where a recorder's clock was set back.
+  bool in_file_order = false;
 };
 
 // Messages in the order of their log time; equal times stay in file order. One chunk (or a few that

@@ -115,6 +115,11 @@ McapContents ScanRecords(const McapRecords& records, std::uint64_t start, std::u
     if (!cut_off) throw;
     reason = error.what();
   }
+  if (const McapChannel* channel = contents.WithoutSchema(); channel != nullptr && !cut_off) {
+    throw McapError(offset, "channel '" + channel->topic +
+                                "' names a schema that the file does "
+                                "not have");
+  }
   McapStatistics& statistics = contents.statistics;
   statistics.schema_count = static_cast<std::uint16_t>(contents.schemas.size());
   statistics.channel_count = static_cast<std::uint32_t>(contents.channels.size());

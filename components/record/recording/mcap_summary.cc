@@ -47,16 +47,19 @@ void McapContents::AddSchema(std::uint64_t offset, McapSchema schema) {
 }
 
 void McapContents::AddChannel(std::uint64_t offset, McapChannel channel) {
-  if (channel.schema_id != SchemaId{0} && !schemas.contains(channel.schema_id)) {
-    throw McapError(offset,
-                    "channel '" + channel.topic + "' names a schema that the file does not have");
-  }
   const auto [known, added] = channels.try_emplace(channel.id, channel);
   if (!added &&
       (known->second.topic != channel.topic || known->second.schema_id != channel.schema_id)) {
     throw McapError(offset, "channel " + std::to_string(static_cast<int>(channel.id)) +
                                 " is there twice, differently");
   }
+}
+
+const McapChannel* McapContents::WithoutSchema() const {
+  for (const auto& [id, channel] : channels) {
+    if (channel.schema_id != SchemaId{0} && !schemas.contains(channel.schema_id)) return &channel;
+  }
+  return nullptr;
 }
 
 std::optional<McapContents> ReadSummary(const McapRecords& records, std::uint64_t end) {
@@ -94,10 +97,17 @@ std::optional<McapContents> ReadSummary(const McapRecords& records, std::uint64_
       throw McapError(footer.summary_start, "the chunk index points outside the file");
     }
   }
-  // Without statistics or chunks there may be messages that only a scan finds.
-  const bool complete = statistics && (contents.statistics.message_count == 0 ||
-                                       (!contents.chunks.empty() && !contents.channels.empty()));
-  if (!complete) return std::nullopt;
+  // A summary may repeat schemas, channels and indexes or leave them out (specification); what it
+  // leaves out, and messages outside of chunks, only a scan finds.
+  const McapStatistics& counts = contents.statistics;
+  const bool is_complete =
+      statistics && contents.WithoutSchema() == nullptr &&
+      counts.channel_count == contents.channels.size() &&
+      counts.chunk_count == contents.chunks.size() &&
+      counts.metadata_count == contents.metadata_offsets.size() &&
+      counts.attachment_count == contents.attachment_offsets.size() &&
+      (counts.message_count == 0 || (!contents.chunks.empty() && !contents.channels.empty()));
+  if (!is_complete) return std::nullopt;
   return contents;
 }
 

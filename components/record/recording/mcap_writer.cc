@@ -4,6 +4,8 @@
 #include <cstring>
 #include <limits>
 
+#include "components/base/types/printable.h"
+
 namespace sinew::recording {
 namespace {
 
@@ -18,12 +20,15 @@ void FinishRecord(Bytes* out, std::size_t content_start) {
   PutAt(out, content_start - 8, static_cast<std::uint64_t>(out->size() - content_start));
 }
 
+// Texts of the format are UTF-8, names of files any bytes.
+void PutUtf8(Bytes* out, std::string_view text) { PutText(out, types::Utf8(text)); }
+
 void PutTextMap(Bytes* out, const TextMap& map) {
   const std::size_t start = out->size();
   Put(out, std::uint32_t{0});
   for (const auto& [key, value] : map) {
-    PutText(out, key);
-    PutText(out, value);
+    PutUtf8(out, key);
+    PutUtf8(out, value);
   }
   PutAt(out, start, static_cast<std::uint32_t>(out->size() - start - 4));
 }
@@ -31,8 +36,8 @@ void PutTextMap(Bytes* out, const TextMap& map) {
 void PutSchema(Bytes* out, const McapSchema& schema) {
   const std::size_t start = StartRecord(out, Opcode::kSchema);
   Put(out, static_cast<std::uint16_t>(schema.id));
-  PutText(out, schema.name);
-  PutText(out, schema.encoding);
+  PutUtf8(out, schema.name);
+  PutUtf8(out, schema.encoding);
   PutText(out, schema.data);
   FinishRecord(out, start);
 }
@@ -41,8 +46,8 @@ void PutChannel(Bytes* out, const McapChannel& channel) {
   const std::size_t start = StartRecord(out, Opcode::kChannel);
   Put(out, static_cast<std::uint16_t>(channel.id));
   Put(out, static_cast<std::uint16_t>(channel.schema_id));
-  PutText(out, channel.topic);
-  PutText(out, channel.message_encoding);
+  PutUtf8(out, channel.topic);
+  PutUtf8(out, channel.message_encoding);
   PutTextMap(out, channel.metadata);
   FinishRecord(out, start);
 }
@@ -59,7 +64,7 @@ void PutChunkIndex(Bytes* out, const McapChunkIndex& chunk) {
     Put(out, offset);
   }
   Put(out, chunk.message_index_length);
-  PutText(out, chunk.compression);
+  PutUtf8(out, chunk.compression);
   Put(out, chunk.compressed_size);
   Put(out, chunk.uncompressed_size);
   FinishRecord(out, start);
@@ -87,8 +92,8 @@ IoStatus McapWriter::Open(const std::string& profile) {
   Bytes out;
   for (const unsigned char byte : kMcapMagic) out.push_back(std::byte{byte});
   const std::size_t start = StartRecord(&out, Opcode::kHeader);
-  PutText(&out, profile);
-  PutText(&out, options_.library);
+  PutUtf8(&out, profile);
+  PutUtf8(&out, options_.library);
   FinishRecord(&out, start);
   open_ = true;
   return Emit(out);
@@ -178,7 +183,7 @@ IoStatus McapWriter::CloseChunk() {
   Put(&scratch_, static_cast<std::uint64_t>(chunk_end_ns_));
   Put(&scratch_, static_cast<std::uint64_t>(chunk_.size()));
   Put(&scratch_, Crc32(chunk_));
-  PutText(&scratch_, index.compression);
+  PutUtf8(&scratch_, index.compression);
   const std::size_t size_at = scratch_.size();
   Put(&scratch_, std::uint64_t{0});
   Compress(options_.compression, chunk_, &scratch_);
@@ -212,11 +217,11 @@ IoStatus McapWriter::WriteMetadata(const McapMetadata& metadata) {
   if (!open_) return IoStatus::Failed("the file is not open");
   scratch_.clear();
   const std::size_t start = StartRecord(&scratch_, Opcode::kMetadata);
-  PutText(&scratch_, metadata.name);
+  PutUtf8(&scratch_, metadata.name);
   PutTextMap(&scratch_, metadata.values);
   FinishRecord(&scratch_, start);
   Located located{offset_, scratch_.size(), {}};
-  PutText(&located.rest, metadata.name);
+  PutUtf8(&located.rest, metadata.name);
   if (IoStatus status = Emit(scratch_); !status.ok()) return status;
   metadata_.push_back(std::move(located));
   ++statistics_.metadata_count;
@@ -229,8 +234,8 @@ IoStatus McapWriter::WriteAttachment(const McapAttachment& attachment) {
   const std::size_t start = StartRecord(&scratch_, Opcode::kAttachment);
   Put(&scratch_, static_cast<std::uint64_t>(attachment.log_time_ns));
   Put(&scratch_, std::uint64_t{0});
-  PutText(&scratch_, attachment.name);
-  PutText(&scratch_, attachment.media_type);
+  PutUtf8(&scratch_, attachment.name);
+  PutUtf8(&scratch_, attachment.media_type);
   Put(&scratch_, static_cast<std::uint64_t>(attachment.data.size()));
   PutRaw(&scratch_, attachment.data);
   Put(&scratch_, Crc32(std::span(scratch_).subspan(start)));
@@ -239,8 +244,8 @@ IoStatus McapWriter::WriteAttachment(const McapAttachment& attachment) {
   Put(&located.rest, static_cast<std::uint64_t>(attachment.log_time_ns));
   Put(&located.rest, std::uint64_t{0});
   Put(&located.rest, static_cast<std::uint64_t>(attachment.data.size()));
-  PutText(&located.rest, attachment.name);
-  PutText(&located.rest, attachment.media_type);
+  PutUtf8(&located.rest, attachment.name);
+  PutUtf8(&located.rest, attachment.media_type);
   if (IoStatus status = Emit(scratch_); !status.ok()) return status;
   attachments_.push_back(std::move(located));
   ++statistics_.attachment_count;

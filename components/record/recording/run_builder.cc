@@ -9,7 +9,9 @@
 
 #include "components/record/recording/cdr.h"
 #include "components/record/recording/csv_map.h"
+#include "components/record/recording/message_type.h"
 #include "components/record/recording/run_import.h"
+#include "components/record/recording/session_clock.h"
 #include "components/record/recording/signal_fields.h"
 
 namespace sinew::recording {
@@ -42,7 +44,7 @@ struct Session {
 
 // What is read of the messages of a channel.
 struct Decoder {
-  IdlSchema idl;
+  MessageType type;
   std::string topic;
   std::optional<CdrField> session_id, tick, stamp_ns, joint_count, valid, measured_flags,
       joint_kind;
@@ -51,16 +53,10 @@ struct Decoder {
 
 std::unique_ptr<Decoder> MakeDecoder(const McapReader& reader, const McapChannel& channel,
                                      int joint) {
-  const McapSchema* schema = reader.SchemaOf(channel);
-  if (schema == nullptr || schema->encoding != "omgidl" || channel.message_encoding != "cdr") {
-    throw std::invalid_argument("topic '" + channel.topic + "' has encoding '" +
-                                channel.message_encoding +
-                                "' and no omgidl schema, expected cdr with one");
-  }
   auto decoder = std::make_unique<Decoder>();
   decoder->topic = channel.topic;
-  decoder->idl = IdlSchema::Parse(schema->data);
-  const IdlType& type = decoder->idl.Struct(schema->name);
+  decoder->type = MessageTypeOf(reader, channel);
+  const IdlType& type = *decoder->type.type;
   const std::string index = std::string("[").append(std::to_string(joint)).append("]");
   decoder->session_id.emplace(type, "header.session_id");
   decoder->tick.emplace(type, "header.tick");
@@ -117,6 +113,7 @@ void TakeMessage(const Decoder& decoder, std::span<const std::byte> data, int jo
 
 std::optional<types::Run> MakeRun(Session* session) {
   std::vector<Row*> rows;
+  SessionClock clock;
   const Row* reference = nullptr;
   int since_reference = 0;
   bool has_reference = true;
@@ -128,6 +125,7 @@ std::optional<types::Run> MakeRun(Session* session) {
       ++since_reference;
     }
     if (!row.joint || !row.valid || (session->any_actuator && !row.actuator)) continue;
+    row.stamp_ns = clock.Take(tick, row.stamp_ns);
     if (!rows.empty() && row.stamp_ns <= rows.back()->stamp_ns) continue;  // no time passed
     if (reference == nullptr || since_reference > kHeldTicks) has_reference = false;
     if (reference != nullptr) {
@@ -139,6 +137,7 @@ std::optional<types::Run> MakeRun(Session* session) {
   if (rows.size() < 2) return std::nullopt;
 
   types::Run run;
+  run.clock_set_back_s = SecondsFromStamp(clock.set_back_ns());
   run.kind = session->linear ? types::JointKind::kLinear : types::JointKind::kRotary;
   const auto size = static_cast<Eigen::Index>(rows.size());
   run.time_s.resize(size);

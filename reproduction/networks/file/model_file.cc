@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "components/base/config/config.h"
+#include "components/base/types/json_text.h"
 
 namespace sinew::networks {
 namespace {
@@ -184,7 +185,7 @@ std::string FormatModel(const Model& model) {
                          {"column", w.reservoir.column},
                          {"value", w.reservoir.value}};
   }
-  return json.dump(1) + "\n";
+  return types::JsonText(json, 1) + "\n";
 }
 
 Model ParseModel(const std::string& text, const std::string& name) {

@@ -54,6 +54,31 @@ TEST(JointMeasurement, AnglesFollowTheConventionInBothDirections) {
   }
 }
 
+// Firmware 0.5.6 leaves these bits out of axis_error.
+TEST(JointMeasurement, FlagsOfTheHeartbeatAreErrors) {
+  const JointConfig config = Joint();
+  JointMeasurement m(config);
+  FaultLatch fault(config);
+  const struct {
+    bool can::Heartbeat::*flag;
+    std::uint32_t error;
+  } kFlags[] = {{&can::Heartbeat::motor_error, can::axis_error::kMotorFailed},
+                {&can::Heartbeat::encoder_error, can::axis_error::kEncoderFailed},
+                {&can::Heartbeat::controller_error, can::axis_error::kControllerFailed}};
+  std::int64_t now_ns = 1;
+  for (const auto& [flag, error] : kFlags) {
+    can::Heartbeat heartbeat;
+    heartbeat.axis_state = can::AxisState::kClosedLoopControl;
+    heartbeat.*flag = true;
+    EXPECT_EQ(m.TakeFromAxis(At(++now_ns, heartbeat), &fault), Taken::kStored);
+    EXPECT_EQ(m.heartbeat.axis_error, error);
+    m.ClearErrors(now_ns + 5);
+    m.TakeFromAxis(At(now_ns + 5, heartbeat), &fault);
+    EXPECT_EQ(m.heartbeat.axis_error, 0u) << "from before they were cleared";
+    now_ns += 10;
+  }
+}
+
 TEST(JointMeasurement, WithoutASensorNodeTheOutputIsTheMotors) {
   const JointConfig config = Joint(-1, false);
   JointMeasurement m(config);

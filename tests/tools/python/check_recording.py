@@ -9,6 +9,7 @@ import struct
 import subprocess
 import sys
 import tempfile
+import warnings
 import zlib
 
 try:
@@ -232,9 +233,18 @@ def text(value):
     return struct.pack("<I", len(value)) + value.encode()
 
 
-def container(schema, payloads, compression="", compress=bytes, damage=False):
-    """A file with one channel 'x' of struct 'X' in one chunk."""
-    body = record(0x03, struct.pack("<H", 1) + text("X") + text("omgidl") + text(schema))
+# Channels that are no CDR: text, and a schema of bytes that are no UTF-8.
+OTHERS = (record(0x03, struct.pack("<H", 7) + text("Note") + text("jsonschema") + text("{}")) +
+          record(0x04, struct.pack("<HH", 7, 7) + text("/note") + text("json") + struct.pack("<I", 0)) +
+          record(0x05, struct.pack("<HIQQ", 7, 0, 1000, 0) + b"{}") +
+          record(0x03, struct.pack("<H", 8) + text("Log") + text("protobuf") + struct.pack("<I", 2) + b"\n\xb4") +
+          record(0x04, struct.pack("<HH", 8, 8) + text("/log") + text("protobuf") + struct.pack("<I", 0)) +
+          record(0x05, struct.pack("<HIQQ", 8, 0, 1000, 0) + b"\xff"))
+
+
+def container(schema, payloads, compression="", compress=bytes, damage=False, others=b""):
+    """A file with one channel 'x' of struct 'X' in one chunk, and others beside it."""
+    body = others + record(0x03, struct.pack("<H", 1) + text("X") + text("omgidl") + text(schema))
     body += record(0x04, struct.pack("<HH", 1, 1) + text("x") + text("cdr") + struct.pack("<I", 0))
     for i, payload in enumerate(payloads):
         body += record(0x05, struct.pack("<HIQQ", 1, i, 1000 + i, i) + payload)
@@ -312,6 +322,36 @@ def check_broken(arguments, folder):
                              folder / "no.npz", code=2)
     expect("absent.mcap: cannot be read" in refused_by_command.stderr, refused_by_command.stderr)
     print("broken files are refused by their reason, cut ones are read")
+
+
+def check_others(arguments, folder):
+    schema, payload = "@final struct X { double a; };", b"\0\1\0\0" + struct.pack("<d", 1.5)
+    content = container(schema, [payload], others=OTHERS)
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        recording = read(folder, content)
+    expect(recording.topics == ["x"] and recording["x"]["a"].tolist() == [1.5], f"{recording.topics}")
+    expect(set(recording.left_out) == {"/note", "/log"}, f"{recording.left_out}")
+    expect(len(caught) == 1 and "'/note' has messages 'json'" in str(caught[0].message), f"{caught}")
+    path = folder / "made.mcap"
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        expect(Recording(path, topics=["x"])["x"]["a"].tolist() == [1.5], "the topic that is wanted")
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        refused(folder, content, "topic '/log' has messages 'protobuf'",
+                lambda recording: Recording(path, topics=["/log"]))
+    # XCDR2 with a delimiter header: not the same bytes.
+    refused(folder, container(schema, [b"\0\x09" + payload[2:]]), "encoding 9, expected plain CDR")
+    refused(folder, container(schema, [b"\0\x09" + payload[2:]]), "encoding 9",
+            lambda recording: list(recording.messages("x")))
+    path.write_bytes(content)
+    done = run(arguments.sinew, "export", path, "--format", "csv", "--out", folder / "beside")
+    expect("left out: topic '/note' has messages 'json'" in done.stderr and "'/log'" in done.stderr, done.stderr)
+    expect([file.name for file in (folder / "beside").iterdir()] == ["x.csv"], "the others are exported")
+    named = run(arguments.sinew, "export", path, "--format", "npz", "--out", folder / "no.npz", "--topic", "/log", code=2)
+    expect("topic '/log' has messages 'protobuf'" in named.stderr, named.stderr)
+    print("topics of other encodings are left out and named")
 
 
 def check_layouts(arguments, folder):

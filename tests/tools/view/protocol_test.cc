@@ -111,7 +111,8 @@ TEST(ViewProtocol, ATextThatIsNestedDeeplyIsReadWithoutHarm) {
 
 TEST(ViewProtocol, TheSubprotocolIsOneOfAList) {
   EXPECT_EQ(ChooseSubprotocol("foxglove.websocket.v1"), kSubprotocol);
-  EXPECT_EQ(ChooseSubprotocol("foxglove.sdk.v1, foxglove.websocket.v1"), kSubprotocol);
+  EXPECT_EQ(ChooseSubprotocol("foxglove.sdk.v1"), kSdkSubprotocol);
+  EXPECT_EQ(ChooseSubprotocol("foxglove.sdk.v1, foxglove.websocket.v1"), kSdkSubprotocol);
   EXPECT_EQ(ChooseSubprotocol("foxglove.websocket.v1,x"), kSubprotocol);
   EXPECT_EQ(ChooseSubprotocol("sinew.batch.v1, foxglove.websocket.v1"), kBatchSubprotocol);
   EXPECT_EQ(ChooseSubprotocol("foxglove.websocket.v1, sinew.batch.v1"), kSubprotocol);

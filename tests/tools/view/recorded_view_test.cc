@@ -66,6 +66,14 @@ class SessionsFile {
     types_[channel] = type;
     return channel;
   }
+  // A topic that nobody here can read.
+  void AddOther(const std::string& topic, const std::string& idl) {
+    recording::SchemaId schema{};
+    recording::ChannelId channel{};
+    EXPECT_TRUE(writer_.AddSchema("Other", "omgidl", idl, &schema).ok());
+    EXPECT_TRUE(writer_.AddChannel(schema, topic, "cdr", {}, &channel).ok());
+    EXPECT_TRUE(writer_.WriteMessage(channel, 0, 0, recording::Bytes(8)).ok());
+  }
   void Write(recording::ChannelId channel, std::int64_t log_ns, const Json& message) {
     const std::string& type = types_.at(channel);
     const auto idl = recording::IdlSchema::Parse(std::string(TypeNamed(type).text));
@@ -343,6 +351,48 @@ TEST(RecordedViewMoment, IsReadOrNamedWhatIsMissing) {
   for (const char* text : {"", "session=1", "at_ns=", "at_ns=1x", "session=&at_ns=1"}) {
     EXPECT_THROW(ParseMoment(text), UsageError) << text;
   }
+}
+
+// 20 ticks, of which the last ten have a clock that was set back by 5 s.
+TEST(RecordedView, ShowsAllTicksOfAClockThatWasSetBackInTheirOrder) {
+  const testing::TemporaryFolder folder;
+  const std::filesystem::path path = folder.path() / "back.mcap";
+  {
+    SessionsFile file(path);
+    const auto ticks = file.AddWriter("joint_state", "sinew::msg::JointState");
+    for (int tick = 0; tick < 20; ++tick) {
+      const std::int64_t back_ns = tick < 10 ? 0 : 5 * kSecond_ns;
+      file.Write(ticks, kReception_ns + tick * kTick_ns - back_ns,
+                 {{"header", HeaderOf(7, tick, kFirstStart_ns - back_ns)}});
+    }
+  }
+  const RecordedView view(path);
+  ASSERT_EQ(view.sessions().size(), 1u);
+  EXPECT_EQ(view.sessions()[0].ticks, 20u);
+  EXPECT_EQ(view.sessions()[0].end_ns, kFirstStart_ns + 19 * kTick_ns);
+  const std::int64_t from_ns = kFirstStart_ns + 5 * kTick_ns, to_ns = kFirstStart_ns + 14 * kTick_ns;
+  std::int64_t expected_ns = from_ns;
+  for (const SpanMessage& message :
+       Unpacked(view.Messages({1, {"joint_state"}, from_ns, to_ns}))) {
+    EXPECT_EQ(message.stamp_ns, expected_ns);
+    expected_ns += kTick_ns;
+  }
+  EXPECT_EQ(expected_ns, to_ns + kTick_ns);
+}
+
+TEST(RecordedView, LeavesOutATopicWhoseIdlIsNotUnderstood) {
+  const testing::TemporaryFolder folder;
+  const std::filesystem::path path = folder.path() / "other.mcap";
+  {
+    SessionsFile file(path);
+    const auto ticks = file.AddWriter("joint_state", "sinew::msg::JointState");
+    file.AddOther("choice", "union Other switch (long) { case 0: long a; };");
+    file.AddOther("absent", "struct Another { long a; };");
+    file.Write(ticks, kReception_ns, {{"header", HeaderOf(7, 0, kFirstStart_ns)}});
+  }
+  const RecordedView view(path);
+  ASSERT_EQ(view.topics().size(), 1u);
+  EXPECT_EQ(view.topics()[0].topic, "joint_state");
 }
 
 }  // namespace

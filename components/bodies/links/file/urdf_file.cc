@@ -78,7 +78,9 @@ void SetInertial(const urdf::Inertial& in, Inertial* body) {
   body->inertia_kg_m2 = frame.linear() * inertia * frame.linear().transpose();
 }
 
-void ReadInertial(const urdf::Link& link, const Where& where, Body* body) {
+// body: a Body or a Base.
+template <typename Inertial>
+void ReadInertial(const urdf::Link& link, const Where& where, Inertial* body) {
   if (!link.inertial) return;
   const urdf::Inertial& in = *link.inertial;
   const double all[] = {in.mass, in.ixx, in.ixy, in.ixz, in.iyy, in.iyz, in.izz};
@@ -131,7 +133,8 @@ void ReadJoint(const urdf::Joint& joint, const Where& where, Body* body) {
     if (!(joint.limits->lower <= joint.limits->upper)) {
       where.Fail("joint", joint.name, "lower limit above upper limit");
     }
-    if (joint.limits->lower < joint.limits->upper) {  // 0 and 0: not stated
+    // Equal: locked. 0 and 0 is what urdfdom reads where none is stated.
+    if (joint.limits->lower != 0.0 || joint.limits->upper != 0.0) {
       body->lower = joint.limits->lower;
       body->upper = joint.limits->upper;
     }
@@ -198,6 +201,18 @@ void RequireFewLinks(const TiXmlElement& robot, const Where& where) {
   }
 }
 
+// urdfdom leaves out what stands inside of elements that it does not know.
+void RefuseXacro(const TiXmlElement& element, const std::string& file) {
+  if (element.ValueStr().starts_with("xacro:")) {
+    throw UsageError(file + ":" + std::to_string(element.Row()) + ": '" + element.ValueStr() +
+                     "': expand it with xacro first, expected a URDF");
+  }
+  for (const TiXmlElement* e = element.FirstChildElement(); e != nullptr;
+       e = e->NextSiblingElement()) {
+    RefuseXacro(*e, file);
+  }
+}
+
 }  // namespace
 
 Chain ParseUrdf(const std::string& xml, const std::string& file_name) {
@@ -208,6 +223,7 @@ Chain ParseUrdf(const std::string& xml, const std::string& file_name) {
   }
   const Where where(document, file_name);
   RequireFewLinks(*document.RootElement(), where);
+  RefuseXacro(*document.RootElement(), file_name);
   urdf::ModelInterfaceSharedPtr model;
   std::string complaint;
   {
@@ -227,7 +243,7 @@ Chain ParseUrdf(const std::string& xml, const std::string& file_name) {
   Chain chain;
   chain.name = model->getName();
   chain.base.link_name = model->getRoot()->name;
-  if (model->getRoot()->inertial) SetInertial(*model->getRoot()->inertial, &chain.base);
+  ReadInertial(*model->getRoot(), where, &chain.base);
   const std::function<void(const urdf::LinkConstSharedPtr&, int)> add =
       [&](const urdf::LinkConstSharedPtr& link, int parent) {
         std::vector<urdf::LinkSharedPtr> children = link->child_links;

@@ -9,6 +9,7 @@
 
 #include "components/base/config/config.h"
 #include "components/base/types/joints.h"
+#include "components/base/types/json_text.h"
 
 namespace sinew::esn {
 namespace {
@@ -36,7 +37,9 @@ struct Place {
 };
 
 std::string Shown(const Json& json) {
-  std::string text = json.is_array() ? "an array" : json.is_object() ? "an object" : json.dump();
+  std::string text = json.is_array()    ? "an array"
+                     : json.is_object() ? "an object"
+                                        : types::JsonText(json);
   if (text.size() > 40) text = text.substr(0, 40) + "...";
   return text;
 }
@@ -264,10 +267,10 @@ std::string Layout(const Json& json) {
     if (value.is_array() && !value.empty() && value.front().is_array()) {
       text += "[\n";
       for (std::size_t r = 0; r < value.size(); ++r) {
-        text += value[r].dump() + (r + 1 < value.size() ? ",\n" : "]");
+        text += types::JsonText(value[r]) + (r + 1 < value.size() ? ",\n" : "]");
       }
     } else {
-      text += value.dump();
+      text += types::JsonText(value);
     }
   }
   return text + "\n}\n";

@@ -1,6 +1,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "components/base/types/json_text.h"
 #include "components/model/gate/rules.h"
 #include "components/model/report/file/recordings_json.h"
 #include "components/model/report/file/report_file.h"
@@ -66,7 +67,7 @@ std::string FormatCheckJson(const DataCheck& check) {
                             {"recording", OrNull(at.recording)}});
   }
   out["seconds"] = check.seconds;
-  return out.dump(2) + "\n";
+  return types::JsonText(out, 2) + "\n";
 }
 
 namespace {
@@ -110,19 +111,19 @@ Json UntracedJson(const Untraced& report) {
 }  // namespace
 
 std::string FormatDataFaultJson(const DataCheck& check) {
-  return UntracedJson({.verdict = VerdictWord(check.gate),
-                       .sentence = VerdictSentence(check.gate),
-                       .next_experiment = "",
-                       .robot = check.robot,
-                       .joint = check.joint,
-                       .model_file = check.model_file,
-                       .train = check.train,
-                       .held_out = check.held_out,
-                       .faults = check.gate.faults,
-                       .findings = check.gate.findings,
-                       .seed = check.seed,
-                       .seconds = check.seconds})
-             .dump(2) +
+  return types::JsonText(UntracedJson({.verdict = VerdictWord(check.gate),
+                                       .sentence = VerdictSentence(check.gate),
+                                       .next_experiment = "",
+                                       .robot = check.robot,
+                                       .joint = check.joint,
+                                       .model_file = check.model_file,
+                                       .train = check.train,
+                                       .held_out = check.held_out,
+                                       .faults = check.gate.faults,
+                                       .findings = check.gate.findings,
+                                       .seed = check.seed,
+                                       .seconds = check.seconds}),
+                         2) +
          "\n";
 }
 
@@ -144,7 +145,7 @@ std::string FormatTooLittleJson(const Report& report) {
                             {"statistic", too_little.statistic},
                             {"limit", too_little.limit},
                             {"reason", too_little.reason}};
-  return out.dump(2) + "\n";
+  return types::JsonText(out, 2) + "\n";
 }
 
 }  // namespace sinew::report

@@ -1,6 +1,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "components/base/types/json_text.h"
 #include "components/model/report/errors.h"
 #include "components/model/report/file/recordings_json.h"
 #include "components/model/report/file/report_file.h"
@@ -402,7 +403,7 @@ std::string FormatJson(const Report& report) {
                        {"border_s", report.processing.border_s}};
   out["seed"] = report.seed;
   out["seconds"] = report.seconds;
-  return out.dump(2) + "\n";
+  return types::JsonText(out, 2) + "\n";
 }
 
 }  // namespace sinew::report

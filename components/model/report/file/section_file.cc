@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "components/base/config/config.h"
+#include "components/base/types/json_text.h"
 
 namespace sinew::report {
 
@@ -69,7 +70,7 @@ void WriteSection(const std::filesystem::path& folder, Section section) {
                                 {"file", file},
                                 {"svg", section.svgs[i]}});
   }
-  config::WriteFileAtomically(folder / "section.json", json.dump(1) + "\n");
+  config::WriteFileAtomically(folder / "section.json", types::JsonText(json, 1) + "\n");
 }
 
 Section ReadSection(const std::filesystem::path& folder) {

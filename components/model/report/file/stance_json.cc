@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "components/base/types/json_text.h"
 #include "components/model/report/file/recordings_json.h"
 
 namespace sinew::report {
@@ -117,7 +118,7 @@ std::string FormatJson(const StanceReport& report) {
   out["held_out"] = RecordingsJson(report.held_out);
   out["seed"] = report.seed;
   out["seconds"] = report.seconds;
-  return out.dump(2) + "\n";
+  return types::JsonText(out, 2) + "\n";
 }
 
 }  // namespace sinew::report

@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "components/record/recording/idl_schema.h"
+#include "components/record/recording/session_clock.h"
 
 namespace sinew::logger {
 
@@ -165,6 +166,7 @@ Playlist::Playlist(const recording::McapReader& reader, const std::string& file,
     }
     channels_[id] = std::move(made);
     filter_.topics->insert(channel.topic);
+    if (Contains(options.latched, name)) latched_.insert(channel.topic);
   }
 
   if (channels_.empty()) {
@@ -184,32 +186,92 @@ Playlist::Playlist(const recording::McapReader& reader, const std::string& file,
   recording::McapMessages messages = reader.Messages(filter_);
   McapMessage message;
   std::int64_t last_ns = 0;
+  recording::TickOrder order;
   while (messages.Next(&message)) {
     if (message_count_ == 0) first_ns_ = message.log_time_ns;
     last_ns = message.log_time_ns;
     ++message_count_;
-    if (channels_.at(message.channel_id)->last_tick) {
-      last_state_ = Place{message.channel_id, message.log_time_ns, message.sequence};
-    }
+    const Channel& channel = *channels_.at(message.channel_id);
+    if (!channel.last_tick) continue;
+    last_state_ = Place{message.channel_id, message.log_time_ns, message.sequence};
+    filter_.in_file_order |=
+        !order.Take(static_cast<std::uint64_t>(channel.session_id.AsInt(message.data)),
+                    static_cast<std::uint64_t>(channel.tick.AsInt(message.data)));
   }
-  if (message_count_ == 0)
+  if (filter_.in_file_order) ReadPlaces(&last_ns);
+  if (options.start_s > 0.0) earlier_ = NewestBefore(filter_.start_ns);
+  if (message_count_ == 0 && earlier_.empty())
     throw std::invalid_argument(file + ": no message between the start and end asked for");
   duration_ns_ = last_ns - first_ns_;
+  message_count_ += earlier_.size();
   messages_.emplace(reader.Messages(filter_));
 }
 
 Playlist::~Playlist() = default;
 
+void Playlist::ReadPlaces(std::int64_t* last_ns) {
+  recording::McapMessages messages = reader_.Messages(filter_);
+  McapMessage message;
+  RisingTime time;
+  bool is_first = true;
+  while (messages.Next(&message)) {
+    *last_ns = time.Take(message.log_time_ns);
+    if (is_first) first_ns_ = *last_ns;
+    is_first = false;
+    if (channels_.at(message.channel_id)->last_tick) {
+      last_state_ = Place{message.channel_id, message.log_time_ns, message.sequence};
+    }
+  }
+}
+
+std::deque<Playlist::Latched> Playlist::NewestBefore(std::int64_t time_ns) const {
+  std::map<recording::ChannelId, Latched> newest;
+  if (!latched_.empty()) {
+    recording::MessageFilter before;
+    before.topics = latched_;
+    before.end_ns = time_ns - 1;
+    recording::McapMessages messages = reader_.Messages(before);
+    McapMessage message;
+    while (messages.Next(&message)) {
+      newest[message.channel_id] = {message.channel_id,
+                                    message.log_time_ns,
+                                    message.sequence,
+                                    {message.data.begin(), message.data.end()}};
+    }
+  }
+  std::deque<Latched> out;
+  for (auto& [id, sample] : newest) out.push_back(std::move(sample));
+  std::stable_sort(out.begin(), out.end(), [](const Latched& a, const Latched& b) {
+    return a.log_time_ns < b.log_time_ns;
+  });
+  return out;
+}
+
 bool Playlist::Next(PlayedMessage* message) {
+  if (!earlier_.empty()) {
+    const Latched sample = std::move(earlier_.front());
+    earlier_.pop_front();
+    message->payload = sample.data;
+    message->due_ns = begin_ns_;
+    Fill(sample.channel, sample.sequence, sample.log_time_ns, message);
+    return true;
+  }
   McapMessage recorded;
   do {
     if (!messages_->Next(&recorded)) return false;
+    message->due_ns = time_.Take(recorded.log_time_ns) - first_ns_;
+    if (message->due_ns < begin_ns_) continue;  // in file order
     if (channels_.at(recorded.channel_id)->last_tick) before_state_ = false;
-  } while (before_state_);
-  const Channel& channel = *channels_.at(recorded.channel_id);
-  message->topic = channel.topic;
-  message->due_ns = recorded.log_time_ns - first_ns_;
+  } while (before_state_ || message->due_ns < begin_ns_);
   message->payload.assign(recorded.data.begin(), recorded.data.end());
+  Fill(recorded.channel_id, recorded.sequence, recorded.log_time_ns, message);
+  return true;
+}
+
+void Playlist::Fill(recording::ChannelId id, std::uint32_t sequence, std::int64_t log_time_ns,
+                    PlayedMessage* message) const {
+  const Channel& channel = *channels_.at(id);
+  message->topic = channel.topic;
   message->is_state = channel.last_tick.has_value();
   try {
     message->session_id = static_cast<std::uint64_t>(channel.session_id.AsInt(message->payload));
@@ -220,22 +282,24 @@ bool Playlist::Next(PlayedMessage* message) {
       channel.session_id.SetInt(message->payload, static_cast<std::int64_t>(message->session_id));
     }
     if (channel.last_tick) {
-      const Place place{recorded.channel_id, recorded.log_time_ns, recorded.sequence};
+      const Place place{id, log_time_ns, sequence};
       channel.last_tick->SetInt(message->payload, last_pass_ && last_state_ == place ? 1 : 0);
     }
   } catch (const recording::CdrError& error) {
-    throw std::invalid_argument("message " + std::to_string(recorded.sequence) + " of topic '" +
+    throw std::invalid_argument("message " + std::to_string(sequence) + " of topic '" +
                                 published_[channel.topic] + "': " + error.what());
   }
-  return true;
 }
 
 void Playlist::BeginPass(std::uint64_t pass, std::int64_t position_ns, bool last_pass) {
   pass_ = pass;
   last_pass_ = last_pass;
   before_state_ = last_state_.has_value() && position_ns > 0;
+  begin_ns_ = std::clamp<std::int64_t>(position_ns, 0, duration_ns_);
+  time_ = RisingTime();
   recording::MessageFilter from = filter_;
-  from.start_ns = first_ns_ + std::clamp<std::int64_t>(position_ns, 0, duration_ns_);
+  if (!filter_.in_file_order) from.start_ns = first_ns_ + begin_ns_;
+  earlier_ = NewestBefore(first_ns_ + begin_ns_);
   messages_.emplace(reader_.Messages(from));
 }
 

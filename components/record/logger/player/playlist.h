@@ -9,11 +9,14 @@
 // it is a state provider that was started again: within a session ticks only grow.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
+#include <deque>
 #include <limits>
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -31,6 +34,9 @@ struct PlaylistOptions {
   std::vector<std::string> topics;
   std::vector<std::string> exclude;          // the same, of what is left out
   std::vector<std::string> only_when_named;  // the topics that command
+  // Topics whose sample stays valid until the next one. Where a pass begins later than the file,
+  // the newest earlier sample of each of their writers goes first, as to a reader that joins late.
+  std::vector<std::string> latched;
   std::map<std::string, std::string> remap;  // recorded name -> published name (of the same type)
   double start_s = 0.0;                      // from the first message
   double end_s = std::numeric_limits<double>::infinity();
@@ -57,7 +63,7 @@ class Playlist {
            const std::vector<recording::TopicSchema>& known, const PlaylistOptions& options);
   ~Playlist();
 
-  // Names to publish, and how many messages there are in all.
+  // Names to publish, and how many messages pass 0 has.
   const std::vector<std::string>& published() const { return published_; }
   // Topics that this build has not.
   const std::vector<std::string>& left_out() const { return left_out_; }
@@ -81,6 +87,29 @@ class Playlist {
 
  private:
   struct Channel;
+  // Log times that only go on, in file order.
+  class RisingTime {
+   public:
+    std::int64_t Take(std::int64_t log_time_ns) {
+      shift_ns_ += std::max<std::int64_t>(last_ns_ - (log_time_ns + shift_ns_), 0);
+      return last_ns_ = log_time_ns + shift_ns_;
+    }
+
+   private:
+    std::int64_t shift_ns_ = 0, last_ns_ = 0;
+  };
+  struct Latched {
+    recording::ChannelId channel{};
+    std::int64_t log_time_ns = 0;
+    std::uint32_t sequence = 0;
+    recording::Bytes data;
+  };
+  // The same once more where the clock was set back: first, last and last state in file order.
+  void ReadPlaces(std::int64_t* last_ns);
+  // Before a time of the recording, the oldest first.
+  std::deque<Latched> NewestBefore(std::int64_t time_ns) const;
+  void Fill(recording::ChannelId channel, std::uint32_t sequence, std::int64_t log_time_ns,
+            PlayedMessage* message) const;
   // Of the last joint_state; there may be several messages at one time.
   struct Place {
     recording::ChannelId channel{};
@@ -102,6 +131,10 @@ class Playlist {
   bool before_state_ = false;
   std::int64_t first_ns_ = 0;
   std::int64_t duration_ns_ = 0;
+  std::set<std::string> latched_;  // that are played
+  std::deque<Latched> earlier_;    // to be given next, at the begin of the pass
+  std::int64_t begin_ns_ = 0;      // of the pass, after first_ns_
+  RisingTime time_;                // of the pass
   std::optional<recording::McapMessages> messages_;
 };
 

@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <string>
 
 #include "components/base/config/config.h"
@@ -37,6 +38,56 @@ TEST(UrdfBounds, MoreAreAnErrorWithALine) {
   } catch (const UsageError& error) {
     EXPECT_STREQ(error.what(), "f.urdf:1002: more than 1000 links, expected fewer");
   }
+}
+
+std::string OneJoint(const std::string& limit, const std::string& more = "",
+                     const std::string& root = "") {
+  const std::string inertial =
+      "<inertial><mass value='1'/><inertia ixx='1' iyy='1' izz='1' ixy='0' ixz='0' iyz='0'/>"
+      "</inertial>";
+  return "<robot name='r'><link name='base'>" + root + "</link>\n<link name='arm'>" + inertial +
+         "</link>\n<joint name='j' type='revolute'><parent link='base'/><child link='arm'/>" +
+         limit + "</joint>\n" + more + "</robot>\n";
+}
+
+std::string UrdfError(const std::string& xml) {
+  try {
+    ParseUrdf(xml, "f.urdf");
+  } catch (const UsageError& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+TEST(UrdfLimits, EqualOnesLockTheJointAndZerosStateNone) {
+  const auto body = [](const std::string& limits) {
+    return ParseUrdf(OneJoint("<limit " + limits + " effort='1' velocity='1'/>"), "f.urdf")
+        .bodies.at(0);
+  };
+  EXPECT_EQ(body("lower='0.5' upper='0.5'").lower, 0.5);
+  EXPECT_EQ(body("lower='0.5' upper='0.5'").upper, 0.5);
+  EXPECT_EQ(body("lower='-1' upper='0'").upper, 0.0);
+  for (const char* none : {"", "lower='0' upper='0'"}) {
+    EXPECT_TRUE(std::isinf(body(none).lower)) << none;
+    EXPECT_TRUE(std::isinf(body(none).upper)) << none;
+  }
+}
+
+TEST(UrdfXacro, AnElementThatWasNotExpandedIsRefusedAtAnyDepth) {
+  const std::string limit = "<limit lower='-1' upper='1' effort='1' velocity='1'/>";
+  EXPECT_EQ(UrdfError(OneJoint(limit)), "no error");
+  EXPECT_EQ(UrdfError(OneJoint(limit, "<xacro:if value='true'><link name='x'/></xacro:if>")),
+            "f.urdf:4: 'xacro:if': expand it with xacro first, expected a URDF");
+  EXPECT_EQ(UrdfError(OneJoint(limit + "<xacro:limit/>")),
+            "f.urdf:3: 'xacro:limit': expand it with xacro first, expected a URDF");
+}
+
+TEST(UrdfInertia, OfTheRootLinkIsCheckedAsAnyOther) {
+  const std::string limit = "<limit lower='-1' upper='1' effort='1' velocity='1'/>";
+  EXPECT_THAT(UrdfError(OneJoint(limit, "",
+                                 "<inertial><mass value='1'/><inertia ixx='1' iyy='1' izz='9' "
+                                 "ixy='0' ixz='0' iyz='0'/></inertial>")),
+              ::testing::HasSubstr("link 'base': inertia breaks the triangle inequality"));
 }
 
 }  // namespace

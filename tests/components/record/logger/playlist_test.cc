@@ -259,6 +259,74 @@ TEST(Playlist, AJumpBeginsWithAWholeTick) {
   EXPECT_EQ(message.due_ns, 0);
 }
 
+TEST(Playlist, BeginsWithTheLatchedSampleFromBefore) {
+  const Bytes bytes = MakeRecording();
+  recording::MemorySource source(bytes);
+  const recording::McapReader reader(source);
+  PlaylistOptions options;
+  options.topics = {"component_status", "joint_state"};
+  options.latched = {"component_status"};
+  options.start_s = 0.052;
+  Playlist playlist(reader, "run.mcap", Known(), options);
+  EXPECT_EQ(playlist.message_count(), 6u);  // the status, and ticks 5 to 9
+  PlayedMessage message;
+  ASSERT_TRUE(playlist.Next(&message));
+  EXPECT_EQ(playlist.published()[message.topic], "component_status");
+  EXPECT_EQ(message.due_ns, 0);
+  ASSERT_TRUE(playlist.Next(&message));
+  EXPECT_TRUE(message.is_state);
+  EXPECT_EQ(message.due_ns, 0);
+  playlist.BeginPass(1, 20'000'000, true);
+  ASSERT_TRUE(playlist.Next(&message));
+  EXPECT_EQ(playlist.published()[message.topic], "component_status");
+  EXPECT_EQ(message.due_ns, 20'000'000);
+  ASSERT_TRUE(playlist.Next(&message));
+  EXPECT_EQ(message.due_ns, 20'000'000);
+
+  options.topics = {"component_status"};  // nothing after the start
+  Playlist alone(reader, "run.mcap", Known(), options);
+  EXPECT_EQ(alone.message_count(), 1u);
+  EXPECT_TRUE(alone.Next(&message));
+  EXPECT_FALSE(alone.Next(&message));
+  EXPECT_THAT(ErrorOf(bytes, {.topics = {"component_status"}, .start_s = 0.052}),
+              HasSubstr("no message between the start and end"));
+}
+
+TEST(Playlist, TicksGrowWhereTheClockWasSetBack) {
+  recording::MemorySink sink;
+  recording::McapWriter writer(sink);
+  recording::ChannelId joint{};
+  ASSERT_TRUE(writer.Open().ok());
+  ASSERT_TRUE(recording::AddTopic(SchemaOf("joint_state"), &writer, &joint).ok());
+  for (int i = 0; i < 10; ++i) {
+    const std::int64_t set_back_ns = i < 5 ? 0 : 30'000'000;
+    ASSERT_TRUE(writer
+                    .WriteMessage(joint, 1'000'000'000 + 10'000'000LL * i - set_back_ns, 0,
+                                  MakeMessage("joint_state", {{"header.session_id", 1},
+                                                              {"header.tick", double(i)}}))
+                    .ok());
+  }
+  ASSERT_TRUE(writer.Close().ok());
+  recording::MemorySource source(sink.bytes());
+  const recording::McapReader reader(source);
+  Playlist playlist(reader, "run.mcap", Known(), {});
+  EXPECT_EQ(playlist.duration_ns(), 80'000'000);
+  PlayedMessage message;
+  std::int64_t due_ns = 0;
+  for (std::uint64_t tick = 0; tick < 10; ++tick) {
+    ASSERT_TRUE(playlist.Next(&message));
+    EXPECT_EQ(message.tick, tick);
+    EXPECT_GE(message.due_ns, due_ns);
+    due_ns = message.due_ns;
+    EXPECT_EQ(FieldOf("joint_state", message.payload, "last_tick"), tick == 9 ? 1 : 0);
+  }
+  EXPECT_FALSE(playlist.Next(&message));
+  playlist.BeginPass(1, 60'000'000, true);
+  ASSERT_TRUE(playlist.Next(&message));
+  EXPECT_EQ(message.tick, 7u);
+  EXPECT_EQ(message.due_ns, 60'000'000);
+}
+
 TEST(Playlist, PutsAMessageIntoARunningSession) {
   const Bytes bytes = MakeRecording();
   recording::MemorySource source(bytes);

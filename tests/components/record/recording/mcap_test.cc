@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <boost/crc.hpp>
+#include <functional>
 #include <random>
 
 #include "components/record/recording/mcap_reader.h"
@@ -445,6 +446,72 @@ TEST(McapReader, ReadsUnchunkedFilesWithoutASummary) {
   ASSERT_EQ(messages.size(), 3u);
   EXPECT_EQ(messages[0].log_time_ns, 10);
   EXPECT_EQ(messages[2].log_time_ns, 30);
+}
+
+// A file whose summary has other records, or none, as other writers leave them out.
+Bytes WithSummary(const Bytes& bytes, const std::function<bool(Opcode)>& keep, bool channels_first,
+                  bool has_summary = true) {
+  MemorySource source(bytes);
+  const McapRecords records(source);
+  std::vector<McapRecord> data, summary;
+  bool ended = false;
+  for (std::uint64_t offset = kMcapMagic.size(); offset < bytes.size() - kMcapMagic.size();) {
+    const McapRecord record = records.ReadHead(offset, bytes.size());
+    offset = record.end();
+    if (record.opcode == Opcode::kFooter) break;
+    if (!ended) {
+      data.push_back(record);
+    } else if (record.opcode != Opcode::kSummaryOffset && keep(record.opcode)) {
+      summary.push_back(record);
+    }
+    ended = ended || record.opcode == Opcode::kDataEnd;
+  }
+  if (channels_first) {
+    std::stable_partition(summary.begin(), summary.end(), [](const McapRecord& record) {
+      return record.opcode == Opcode::kChannel;
+    });
+  }
+  Bytes out(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(data.back().end()));
+  const std::uint64_t start = out.size();
+  for (const McapRecord& record : summary) {
+    out.insert(out.end(), bytes.begin() + static_cast<std::ptrdiff_t>(record.offset),
+               bytes.begin() + static_cast<std::ptrdiff_t>(record.end()));
+  }
+  Put(&out, static_cast<std::uint8_t>(Opcode::kFooter));
+  Put(&out, std::uint64_t{20});
+  Put(&out, has_summary ? start : std::uint64_t{0});
+  Put(&out, std::uint64_t{0});
+  Put(&out, std::uint32_t{0});
+  for (const unsigned char byte : kMcapMagic) out.push_back(std::byte{byte});
+  return out;
+}
+
+TEST(McapReader, ReadsWhateverASummaryLeavesOut) {
+  const SampleFile file = MakeFile(57);
+  const auto expect_whole = [&file](const Bytes& bytes, const std::string& what) {
+    MemorySource source(bytes);
+    const McapReader reader(source);
+    EXPECT_FALSE(reader.recovery().has_value()) << what;
+    EXPECT_EQ(ReadAll(reader), file.messages) << what;
+    ASSERT_NE(reader.SchemaOf(reader.channels().at(ChannelId{1})), nullptr) << what;
+    EXPECT_EQ(reader.SchemaOf(reader.channels().at(ChannelId{1}))->name, "a::B") << what;
+    EXPECT_EQ(reader.ReadMetadata().size(), 1u) << what;
+    EXPECT_EQ(reader.ReadAttachments().size(), 1u) << what;
+    EXPECT_EQ(reader.statistics().message_count, 57u) << what;
+  };
+  expect_whole(WithSummary(
+                   file.bytes, [](Opcode) { return true; }, true),
+               "channels first");
+  for (const Opcode left_out :
+       {Opcode::kSchema, Opcode::kChannel, Opcode::kChunkIndex, Opcode::kStatistics,
+        Opcode::kMetadataIndex, Opcode::kAttachmentIndex}) {
+    expect_whole(WithSummary(
+                     file.bytes, [=](Opcode opcode) { return opcode != left_out; }, false),
+                 OpcodeText(left_out));
+  }
+  expect_whole(WithSummary(
+                   file.bytes, [](Opcode) { return false; }, false, false),
+               "no summary");
 }
 
 TEST(McapReader, RefusesAChunkThatDeclaresMoreThanItHolds) {

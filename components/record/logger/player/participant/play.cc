@@ -45,6 +45,9 @@ std::vector<recording::TopicSchema> KnownTopics() {
 PlaylistOptions WithRemap(const PlayOptions& options) {
   PlaylistOptions list = options.list;
   list.only_when_named.assign(node::kCommandingTopics.begin(), node::kCommandingTopics.end());
+  for (const node::TopicInfo& topic : node::AllTopics()) {
+    if (topic.profile == node::Profile::kLatched) list.latched.push_back(topic.name);
+  }
   for (const std::string& text : options.remap) {
     const std::size_t colon = text.find(':');
     if (colon == std::string::npos || colon == 0 || colon + 1 == text.size()) {
