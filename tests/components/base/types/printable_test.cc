@@ -2,6 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
+
+#include "components/base/types/json_text.h"
+
 namespace sinew::types {
 namespace {
 
@@ -26,6 +30,13 @@ TEST(Printable, KeepsAllElse) {
     EXPECT_EQ(Printable(text), text);
     EXPECT_TRUE(IsPrintable(text)) << text;
   }
+}
+
+TEST(Utf8, WhatIsNoneHasReplacementCharacters) {
+  EXPECT_EQ(Utf8("Fl\xC3\xBCgel \xE2\x82\xAC"), "Fl\xC3\xBCgel \xE2\x82\xAC");
+  EXPECT_EQ(Utf8("Fl\xFCgel.csv"), "Fl\uFFFDgel.csv");
+  EXPECT_EQ(Utf8("\xE2\x82"), "\uFFFD");  // ends inside of a character
+  EXPECT_EQ(JsonText(nlohmann::json{{"file", "\xFC"}}), "{\"file\":\"\uFFFD\"}");
 }
 
 }  // namespace

@@ -29,5 +29,13 @@ TEST(Seconds, BeyondACenturyAreRefused) {
   }
 }
 
+TEST(SecondsText, KeepsTheDigitsOfAStamp) {
+  EXPECT_EQ(SecondsText(0.0), "0");
+  EXPECT_EQ(SecondsText(12.5), "12.5");
+  EXPECT_EQ(SecondsText(100.0), "100");
+  EXPECT_EQ(SecondsText(1716900000.25), "1716900000.25");
+  EXPECT_EQ(SecondsText(-0.0625), "-0.062");
+}
+
 }  // namespace
 }  // namespace sinew::types

@@ -540,6 +540,21 @@ TEST(McapReader, RefusesAChunkThatHoldsMoreThanRecordingsDo) {
 }
 
 // A long run: half an hour at 240 Hz keeps memory bounded (chunks leave) and stays readable.
+// A file name in Latin-1, as a ZIP of Windows has it.
+TEST(McapWriter, NamesThatAreNoUtf8HaveReplacementCharacters) {
+  MemorySink sink;
+  McapWriter writer(sink);
+  ASSERT_TRUE(writer.Open().ok());
+  ASSERT_TRUE(writer.WriteMetadata({"run", {{"file", "Fl\xFCgel.csv"}}}).ok());
+  ASSERT_TRUE(writer.WriteAttachment({"Fl\xFCgel.csv", "text/csv", 0, "\xFC"}).ok());
+  ASSERT_TRUE(writer.Close().ok());
+  MemorySource source(sink.bytes());
+  const McapReader reader(source);
+  EXPECT_EQ(reader.ReadMetadata().at(0).values.at("file"), "Fl\uFFFDgel.csv");
+  EXPECT_EQ(reader.ReadAttachments().at(0).name, "Fl\uFFFDgel.csv");
+  EXPECT_EQ(reader.ReadAttachments().at(0).data, "\xFC") << "contents are what they are";
+}
+
 TEST(McapWriter, KeepsHalfAnHourOfMessages) {
   MemorySink sink;
   McapWriter writer(sink);
