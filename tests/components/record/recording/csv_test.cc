@@ -126,6 +126,55 @@ TEST(Csv, UnderstandsWhatAFileSaysOfItself) {
   }
 }
 
+// Every combination of delimiter, decimal sign, line end, header and encoding.
+TEST(Csv, CombinationsOfDialectsReadTheSame) {
+  const auto encoded = [](const std::string& text, int encoding) {
+    if (encoding == 0) return text;
+    if (encoding == 1) return "\xEF\xBB\xBF" + text;
+    std::string out = encoding == 2 ? "\xFF\xFE" : "\xFE\xFF";
+    for (const char c : text) {
+      out += encoding == 2 ? std::string{c, '\0'} : std::string{'\0', c};
+    }
+    return out;
+  };
+  int read = 0;
+  for (const char delimiter : {',', ';', '\t', ' '}) {
+    for (const char decimal : {'.', ','}) {
+      for (const std::string end : {"\n", "\r\n", "\r"}) {
+        for (const std::string before : {"", "# ", "Logger 7\n\n", "sep=", "\"made by\" a rig\n"}) {
+          for (int encoding = 0; encoding < 4; ++encoding) {
+            std::string text = before;
+            if (before == "sep=") text += std::string(1, delimiter) + "\n";
+            for (const std::vector<std::string>& row : {std::vector<std::string>{"t", "note", "q"},
+                                                        {"0", "x", "-1.5"},
+                                                        {"0.25", "y", "2.75e-1"},
+                                                        {"1", "z", "3"}}) {
+              for (std::size_t i = 0; i < row.size(); ++i) {
+                std::string cell = row[i];
+                std::replace(cell.begin(), cell.end(), '.', decimal);
+                const bool quoted = cell.find(delimiter) != std::string::npos;
+                if (i > 0) text += delimiter;
+                text += quoted ? '"' + cell + '"' : cell;
+              }
+              text += '\n';
+            }
+            std::string with_ends;
+            for (const char c : text) with_ends += c == '\n' ? end : std::string(1, c);
+            const CsvFormat format{before == "sep=" ? ',' : delimiter};
+            const CsvTable table =
+                ReadCsv(encoded(with_ends, encoding), "data.csv", {"t", "q"}, format);
+            ASSERT_EQ(table.lines.size(), 3u) << text;
+            EXPECT_EQ(table.values[0], Eigen::Vector3d(0.0, 0.25, 1.0)) << text;
+            EXPECT_EQ(table.values[1], Eigen::Vector3d(-1.5, 0.275, 3.0)) << text;
+            ++read;
+          }
+        }
+      }
+    }
+  }
+  EXPECT_EQ(read, 4 * 2 * 3 * 5 * 4);
+}
+
 TEST(Csv, LinesAreCountedAsAnEditorDoes) {
   EXPECT_EQ(ReadCsv("a,b\n\n1,\"x\ny\"\n# c\n2,z\n", "data.csv", {"a"}).lines,
             (std::vector<int>{3, 6}));
