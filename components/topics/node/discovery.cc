@@ -1,9 +1,11 @@
 #include "components/topics/node/discovery.h"
 
+#include <fastrtps/utils/IPLocator.h>
 #include <spdlog/spdlog.h>
 
 #include <sstream>
 
+#include "components/topics/node/interfaces.h"
 #include "components/topics/node/names.h"
 #include "components/topics/node/participant.h"
 #include "components/topics/node/topics.h"
@@ -104,14 +106,25 @@ EndpointQos TermsOf(const Qos& qos) {
   return terms;
 }
 
+template <class Locators>
+std::vector<std::string> NetworkAddresses(const Locators& locators) {
+  std::vector<std::string> addresses;
+  for (const rtps::Locator_t& locator : locators) {
+    if (locator.kind != LOCATOR_KIND_UDPv4) continue;
+    const std::string address = rtps::IPLocator::ip_to_string(locator);
+    if (!IsLoopback(address)) addresses.push_back(address);
+  }
+  return addresses;
+}
+
 }  // namespace
 
 std::string TextOf(const rtps::GUID_t& guid) { return Text(guid); }
 
 std::string Discovery::ParticipantOf(const rtps::GUID_t& guid) const {
   const std::lock_guard<std::mutex> lock(mutex_);
-  const auto found = participant_names_.find(Text(guid.guidPrefix));
-  return found == participant_names_.end() ? "" : found->second;
+  const auto found = peers_.find(Text(guid.guidPrefix));
+  return found == peers_.end() ? "" : found->second.name;
 }
 
 void Discovery::AddProblem(const std::string& problem) {
@@ -132,9 +145,10 @@ void Discovery::on_participant_discovery(dds::DomainParticipant*,
   const bool gone = info.status == rtps::ParticipantDiscoveryInfo::REMOVED_PARTICIPANT ||
                     info.status == rtps::ParticipantDiscoveryInfo::DROPPED_PARTICIPANT;
   if (gone) {
-    participant_names_.erase(prefix);
+    peers_.erase(prefix);
   } else {
-    participant_names_[prefix] = info.info.m_participantName.to_string();
+    peers_[prefix] = {info.info.m_participantName.to_string(),
+                      NetworkAddresses(info.info.default_locators.unicast)};
   }
 }
 
@@ -174,7 +188,9 @@ void Discovery::Discovered(const dds::DomainParticipant* participant, Endpoint e
     if (gone) {
       endpoints_.erase(endpoint.guid);
     } else {
-      endpoint.participant = participant_names_[Text(guid.guidPrefix)];
+      const Peer& peer = peers_[Text(guid.guidPrefix)];
+      endpoint.participant = peer.name;
+      endpoint.addresses = peer.addresses;
       for (const TopicInfo& info : AllTopics()) {
         if (RegisteredTopicName(info.name) != endpoint.topic) continue;
         endpoint.topic = info.name;

@@ -52,8 +52,12 @@ class Discovery final : public dds::DomainParticipantListener {
   const std::function<void()> on_change_;
   std::atomic<std::uint64_t> changes_{0};
   mutable std::mutex mutex_;
-  std::map<std::string, std::string> participant_names_;  // by GUID prefix
-  std::map<std::string, Endpoint> endpoints_;             // by GUID
+  struct Peer {
+    std::string name;
+    std::vector<std::string> addresses;  // but for loopback
+  };
+  std::map<std::string, Peer> peers_;          // by GUID prefix
+  std::map<std::string, Endpoint> endpoints_;  // by GUID
   std::vector<std::string> problems_;
 };
 

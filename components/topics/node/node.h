@@ -113,7 +113,9 @@ struct Endpoint;  // endpoint.h
 
 class Node {
  public:
-  explicit Node(const Options& options);  // throws DdsError
+  // Without component_status where its certificate of DDS security forbids it: what may write
+  // nothing still reads. Throws DdsError.
+  explicit Node(const Options& options);
   ~Node();
   Node(const Node&) = delete;
   Node& operator=(const Node&) = delete;
@@ -169,6 +171,8 @@ class Node {
   bool WaitForData(std::chrono::microseconds timeout);
   // Any thread: the present WaitForData, or else the next one, returns at once.
   void Wake();
+
+  bool has_security() const;  // DDS security, by its QoS profiles
 
   const Options& options() const;
 
