@@ -4,20 +4,30 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <limits.h>
+#include <netinet/in.h>
 #include <poll.h>
+#include <sinew_idl/joint.h>
 #include <sys/inotify.h>
+#include <sys/socket.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <csignal>
 #include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
 #include <optional>
+#include <set>
+#include <sstream>
 #include <string>
 #include <thread>
 #include <utility>
 #include <vector>
 
 #include "components/base/config/config.h"
+#include "components/topics/node/codec.h"
+#include "tests/components/topics/node/datagrams.h"
 #include "tests/support/program.h"
 #include "tests/support/sinew_program.h"
 #include "tests/support/skip.h"
@@ -269,6 +279,104 @@ TEST_F(StolenKey, DoesNotSignPermissionsForItself) {
   EXPECT_EQ(arm.exit_code, 1);
   EXPECT_THAT(arm.error, HasSubstr("no state provider heard in domain 165"));
   EXPECT_THAT(robot_.State(), HasSubstr("DISARMED"));
+}
+
+// UDP ports of a process.
+std::vector<int> PortsOf(pid_t pid) {
+  const fs::path process = "/proc/" + std::to_string(pid);
+  std::set<std::string> inodes;
+  for (const auto& entry : fs::directory_iterator(process / "fd")) {
+    std::error_code ignored;
+    const std::string target = fs::read_symlink(entry.path(), ignored).string();
+    if (target.starts_with("socket:[")) inodes.insert(target.substr(8, target.size() - 9));
+  }
+  std::vector<int> ports;
+  std::ifstream table(process / "net/udp");
+  std::string line, word;
+  std::getline(table, line);
+  while (std::getline(table, line)) {
+    std::istringstream words(line);
+    std::vector<std::string> row;
+    while (words >> word) row.push_back(word);
+    constexpr std::size_t kLocal = 1, kInode = 9;
+    if (row.size() <= kInode || !inodes.contains(row[kInode])) continue;
+    ports.push_back(std::stoi(row[kLocal].substr(row[kLocal].find(':') + 1), nullptr, 16));
+  }
+  return ports;
+}
+
+// The 16 bytes of "01.0f. ... |0.0.1.3".
+std::vector<std::uint8_t> BytesOf(std::string guid) {
+  std::replace_if(
+      guid.begin(), guid.end(), [](char c) { return c == '.' || c == '|'; }, ' ');
+  std::istringstream words(guid);
+  std::vector<std::uint8_t> bytes;
+  for (int byte = 0; words >> std::hex >> byte;) bytes.push_back(static_cast<std::uint8_t>(byte));
+  return bytes;
+}
+
+constexpr std::uint64_t kForgedTick = 77'777'777'777;
+
+// A joint_state in the name of this writer, newer than all of its own, as whoever has no keys can
+// send it.
+node::testing::Datagram ForgedState(const std::vector<std::uint8_t>& writer) {
+  msg::JointState state;
+  state.header().tick(kForgedTick);
+  node::Bytes bytes;
+  EXPECT_TRUE(node::Encode(state, &bytes));
+  node::testing::Datagram payload;
+  for (const std::byte byte : bytes) payload.push_back(static_cast<std::uint8_t>(byte));
+  node::testing::Datagram out = node::testing::Header();
+  std::copy_n(writer.begin(), 12, out.begin() + 8);
+  node::testing::Datagram data = node::testing::Data({0, 0, 0, 0}, payload, 1'000'000'000);
+  std::copy_n(writer.begin() + 12, 4, data.begin() + 8);
+  node::testing::AddSubmessage(&out, node::testing::kDataId, data, node::testing::kWithPayload);
+  return out;
+}
+
+// Fast DDS 2.9 reads what is not encrypted as well: the filter in front of it does not let it.
+TEST(Security, APlainSampleInTheNameOfAWriterIsNotRead) {
+  SecureRobot robot;
+  const auto list = nlohmann::json::parse(
+      Sinew({"list", "--domain", "165", "--json"}, robot.As("observer")).output);
+  std::string guid;
+  for (const auto& endpoint : list["endpoints"]) {
+    if (endpoint["topic"] == "joint_state") guid = endpoint["guid"];
+  }
+  ASSERT_EQ(BytesOf(guid).size(), 16u) << guid;
+  const node::testing::Datagram forged = ForgedState(BytesOf(guid));
+  const auto reads_it = [&](const std::string& name) {
+    std::vector<std::string> words = {kSinew, "echo",    "joint_state", "--domain",
+                                      "165",  "--field", "header.tick", "--json"};
+    for (const std::string& word : robot.As(name)) words.push_back(word);
+    Program echo(words);
+    EXPECT_TRUE(echo.WaitForText("header.tick", kLimit)) << echo.error();
+    const int sender = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+    for (const int port : PortsOf(echo.pid())) {
+      sockaddr_in to{};
+      to.sin_family = AF_INET;
+      to.sin_port = htons(static_cast<std::uint16_t>(port));
+      to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+      ::sendto(sender, forged.data(), forged.size(), 0, reinterpret_cast<const sockaddr*>(&to),
+               sizeof to);
+    }
+    ::close(sender);
+    const bool read = echo.WaitForText(std::to_string(kForgedTick), 3s);
+    return std::pair(read, echo.error());
+  };
+  const auto [read, error] = reads_it("observer");
+  EXPECT_FALSE(read);
+  EXPECT_THAT(error, HasSubstr("not protected by DDS security and was dropped"));
+
+  // Without the property that turns the filter on, the library reads it.
+  robot.Add("observer", "naive");
+  const fs::path qos = robot.keys() / "naive/qos.xml";
+  std::string profiles = config::ReadFile(qos);
+  for (std::size_t at; (at = profiles.find("sinew.security.protected")) != std::string::npos;) {
+    profiles.replace(at, 24, "sinew.security.none");
+  }
+  config::WriteFileAtomically(qos, profiles);
+  EXPECT_TRUE(reads_it("naive").first);
 }
 
 // Cyclone DDS with the files of a certificate.
