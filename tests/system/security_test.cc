@@ -33,6 +33,7 @@
 #include "tests/support/skip.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/test_host.h"
+#include "tests/tools/view/view_program.h"
 #include "tools/security/authority.h"
 #include "tools/security/documents.h"
 
@@ -109,7 +110,8 @@ TEST(Security, AnOperatorCommandsAndWithoutACertificateNobodySeesTheRobot) {
   const Finished stranger = Operate("disarm", kStranger);
   EXPECT_EQ(stranger.exit_code, 1);
   EXPECT_THAT(stranger.error, HasSubstr("no state provider heard in domain 165"));
-  EXPECT_THAT(Sinew({"list", "--domain", "165"}, {}).output, HasSubstr("0 participants"));
+  EXPECT_THAT(Sinew({"list", "--domain", "165", "--wait", "1.2"}, {}).output,
+              HasSubstr("0 participants"));
 
   EXPECT_EQ(Operate("estop", robot.As("operator")).exit_code, 0);
   EXPECT_EQ(Operate("reset", robot.As("operator")).exit_code, 0);
@@ -128,14 +130,26 @@ TEST(Security, AnObserverSeesAllAndCommandsNothing) {
   EXPECT_THAT(arm.error, HasSubstr("no DDS writer for topic 'operator_command': the certificate"));
   EXPECT_THAT(robot.State(), HasSubstr("DISARMED"));
 
-  const Finished list = look({"list"}, {});
+  const Finished list = look({"list"}, {"--wait", "1.2"});
   EXPECT_EQ(list.exit_code, 0) << list.error;
   EXPECT_THAT(list.output, HasSubstr("surrogate    active"));
-  EXPECT_EQ(look({"hz", "joint_state"}, {"--duration", "1"}).exit_code, 0);
-  const Finished doctor = look({"doctor"}, {"--recordings", "/"});
+  EXPECT_EQ(look({"hz", "joint_state"}, {"--duration", "0.3"}).exit_code, 0);
+  const Finished doctor = look({"doctor"}, {"--recordings", "/", "--wait", "1.2"});
   EXPECT_THAT(doctor.output, HasSubstr("participants: 1"));
   EXPECT_THAT(doctor.output, HasSubstr("whoever lacks it is not heard"));
   EXPECT_EQ(doctor.exit_code, 0) << doctor.output;
+}
+
+TEST(Security, ThePageOfAnObserverShowsTheRobot) {
+  SecureRobot robot;
+  std::vector<std::string> words = robot.As("observer");
+  words.insert(words.end(), {"--domain", "165"});
+  View view(words);
+  const Finished client = view.Ask({"receive", "100"});
+  EXPECT_EQ(client.exit_code, 0) << client.error << view.log();
+  EXPECT_THAT(view.log(), HasSubstr("the page shows and commands nothing: no DDS writer for topic "
+                                    "'operator_command'"));
+  EXPECT_EQ(view.End(), 0) << view.log();
 }
 
 // One that may write nothing at all, its component_status included.

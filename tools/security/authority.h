@@ -18,7 +18,7 @@ struct Credential {
 
 struct Subject {
   std::string name, host, deployment;
-  // Of two participants the one with the smaller GUID begins the handshake and chooses the key
+  // The participant with the smaller GUID of two begins the handshake and chooses the key
   // agreement, and in GUIDs there is a hash of the subject (DDS Security 1.1, 9.3.3). Fast DDS 2.9
   // chooses DH and writes it as Cyclone DDS 0.10 does not read it; with ECDH, which that chooses,
   // both agree. So certificates of other libraries get subjects with a smaller hash.

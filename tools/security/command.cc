@@ -163,7 +163,8 @@ void AddSecurityCommand(CLI::App& app) {
       app.add_subcommand("security", "Keys and certificates of a deployment: DDS security");
   command->require_subcommand(1);
   command->footer("Roles, by the writers of idl/README.md:\n" + RoleTable() +
-                  "\nWhat it protects from: docs/how-to/several-hosts.md");
+                  "\nWhat it protects from: docs/how-to/several-hosts.md\n\nExample:\n"
+                  "  sinew security init rig.yaml");
 
   const auto init = std::make_shared<InitOptions>();
   CLI::App* make = command->add_subcommand(

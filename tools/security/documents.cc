@@ -99,7 +99,7 @@ std::vector<Property> SecurityProperties() {
           {access + "governance", file(kGovernance)},
           {access + "permissions", file(kPermissions)},
           {"dds.sec.crypto.plugin", "builtin.AES-GCM-GMAC"},
-          // Of our own (components/topics/node/transports.h): who sends plain text is not read.
+          // Not of DDS: plain datagrams are not read (components/topics/node/dds_security.h).
           {"sinew.security.protected", "all"}};
 }
 

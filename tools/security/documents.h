@@ -36,7 +36,7 @@ inline constexpr char kQos[] = "qos.xml";
 struct Property {
   std::string name, value;
 };
-// Of a participant whose files lie beside its QoS file.
+// A participant's, whose files lie beside its QoS file.
 std::vector<Property> SecurityProperties();
 
 // `profiles` (like components/topics/node/qos_profiles.xml) with these properties in every profile

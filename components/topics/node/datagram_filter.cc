@@ -268,7 +268,7 @@ class Checker {
     return id == kPad || id == kInfoTimestamp || id == kInfoDestination || id == kInfoSource;
   }
 
-  // Of a message that is not encrypted, where all are: what is said before there are keys, and what
+  // In a message that is not encrypted, where all are: what is said before there are keys, and what
   // is encrypted itself.
   bool MayBePlain(std::uint8_t id, std::size_t at, std::size_t length) const {
     switch (id) {
