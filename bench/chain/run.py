@@ -9,7 +9,8 @@ with joint_state and joint_command alone; half of it is a message from process t
 cycle among the eight processes and a logger, undisturbed and while each of them is stopped in turn (SIGSTOP, SIGCONT after
 half a second; control last, as the robot has a fault then). T: the bridge's cycle with topics, twelve joints on two
 virtual buses, beside the sum of its work without topics and bare writes of the same payloads to as many readers. K: the chain of A with a
-deployment's key beside the same without. Pairs ABAB: ours, relays,
+deployment's key beside the same without. D: the same with DDS security (certificates of `sinew security`) beside without.
+Pairs ABAB: ours, relays,
 ours, relays; the median of the ratios is printed. Both under SCHED_FIFO with the same priorities. The relays' payloads
 are as large as ours were in a run before. Nothing else may run.
 """
@@ -201,6 +202,22 @@ def with_key(run):
             del os.environ["SINEW_KEY"]
 
 
+def with_security(options, run):
+    """The result of a run with DDS security, every process with a certificate of all roles."""
+    with tempfile.TemporaryDirectory() as folder:
+        deployment = pathlib.Path(folder) / "chain.yaml"
+        deployment.write_text(f"schema: sinew-deployment/1\nname: chain\ndomain_id: {options.domain}\nprocesses:\n"
+                              "  - {name: reference, program: sinew-reference}\n")
+        roles = "provider,reference,regime,pneumatics,esn,rls,control,residual,operator"
+        subprocess.run([str(options.bin / "sinew"), "security", "init", str(deployment), "--role", f"reference={roles}"],
+                       capture_output=True, check=True)
+        os.environ["SINEW_QOS"] = str(deployment.with_suffix(".security") / "reference" / "qos.xml")
+        try:
+            return run()
+        finally:
+            del os.environ["SINEW_QOS"]
+
+
 def compare(options, letter, what, goal, run_ours, run_relays, other="relays"):
     """The medians of the ratios; a quantile that falls among the late answers of either side has none."""
     ratios = {"p50_us": [], "p999_us": []}
@@ -289,7 +306,7 @@ def main():
     parser.add_argument("--cpu", type=int, default=max(os.sched_getaffinity(0)), help="core of both sides")
     parser.add_argument("--no-realtime", dest="realtime", action="store_false")
     parser.add_argument("--transports", default="udp", choices=["both", "udp", "shm"], help="of the relays")
-    parser.add_argument("--only", default="ABCHKST", help="letters of the comparisons")
+    parser.add_argument("--only", default="ABCDHKST", help="letters of the comparisons")
     parser.add_argument("--sizes", type=pathlib.Path, help="payload sizes: read from this file, or written to it")
     options = parser.parse_args()
     if options.sizes and options.sizes.exists():
@@ -312,6 +329,9 @@ def main():
               lambda: relays(options, 1000, seconds, SOURCE, ONE_RELAY, sizes)),
         "K": (f"chain of four processes with a key, {options.rate} Hz", "goal p50 1.05",
               lambda: with_key(lambda: ours(options, options.rate, seconds, CHAIN)),
+              lambda: ours(options, options.rate, seconds, CHAIN), "without"),
+        "D": (f"chain of four processes with DDS security, {options.rate} Hz", "no goal yet",
+              lambda: with_security(options, lambda: ours(options, options.rate, seconds, CHAIN)),
               lambda: ours(options, options.rate, seconds, CHAIN), "without")}
     for letter in options.only:
         if letter == "H":

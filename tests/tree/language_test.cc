@@ -235,7 +235,7 @@ TEST(Language, CommandsThatTheDocumentsCiteAreThere) {
   std::string sources;
   for (const char* folder :
        {"tools/sinew", "tools/export_recording", "tools/export_model", "tools/rerun",
-        "tools/tune_robot", "tools/view", "reproduction/commands"}) {
+        "tools/security", "tools/tune_robot", "tools/view", "reproduction/commands"}) {
     for (const std::string& file : Files(folder)) {
       if (EndsWith(file, ".cc")) sources += Read(kRoot / file);
     }

@@ -7,6 +7,7 @@
 #include <optional>
 #include <set>
 
+#include "components/base/types/joined.h"
 #include "components/topics/node/matching.h"
 
 namespace sinew::inspect {
@@ -88,6 +89,31 @@ std::vector<Finding> CheckPeers(const std::vector<node::Endpoint>& endpoints,
                         ""});
   }
   return findings;
+}
+
+Finding CheckOpenness(const Openness& own, const std::vector<node::Endpoint>& endpoints) {
+  if (own.has_keys) {
+    return {"network", Severity::kOk,
+            "with a key or DDS security: whoever lacks it is not heard and hears nothing", ""};
+  }
+  std::set<std::string> open;
+  for (const node::Endpoint& endpoint : endpoints) {
+    for (const std::string& address : endpoint.addresses) {
+      open.insert("'" + endpoint.participant + "' on " + address);
+    }
+  }
+  for (const std::string& interface : own.interfaces) {
+    if (interface != "lo") open.insert("programs of this shell on " + interface);
+  }
+  if (open.empty()) {
+    return {"network", Severity::kOk,
+            "loopback alone: every user of this host, and nobody else, can command the robot", ""};
+  }
+  return {"network", Severity::kWarning,
+          "open without a key or DDS security: " + types::Joined({open.begin(), open.end()}) +
+              "; whoever reaches that network can arm, move and stop the robot, and reads all "
+              "that it publishes",
+          "sinew security init DEPLOYMENT, or a key: docs/how-to/several-hosts.md"};
 }
 
 std::vector<Finding> CheckClocks(const std::vector<ClockSample>& samples,

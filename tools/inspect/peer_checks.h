@@ -22,6 +22,13 @@ std::vector<Mismatch> Mismatches(const std::vector<node::Endpoint>& endpoints);
 std::vector<Finding> CheckPeers(const std::vector<node::Endpoint>& endpoints,
                                 const std::vector<std::string>& problems);
 
+// Who can command the robot: what is open to a network without a key or DDS security.
+struct Openness {
+  std::vector<std::string> interfaces;  // of this process, beside loopback
+  bool has_keys = false;                // so have all whom it hears
+};
+Finding CheckOpenness(const Openness& own, const std::vector<node::Endpoint>& endpoints);
+
 // A message between hosts: when it was sent, by the sender's clock, and when it arrived here.
 struct ClockSample {
   std::string host;

@@ -22,6 +22,8 @@ namespace fs = std::filesystem;
 constexpr int kLargestDomain = 232;  // ports of the RTPS mapping end there
 constexpr double kLongestGrace_s = 600.0;
 constexpr char kProgressTopic[] = "recording_progress";
+// The profiles of a certificate (tools/security).
+constexpr char kQosOfCertificate[] = "qos.xml";
 constexpr int kRecordingWindow = 64;  // ticks a logger may lag; half of what a reader keeps
 const std::vector<std::string> kRestartWords = {"never", "on_failure", "always"};
 
@@ -81,6 +83,7 @@ Process ReadProcess(const config::Section& section, const fs::path& folder, bool
   if (!IsName(process.name)) {
     section.Fail("name", "'" + process.name + "', expected letters, digits, '_' or '-'");
   }
+  process.certificate = process.name;
   const std::string program = section.Text("program");
   process.program = FindProgram(program, base, folder);
   if (process.program.empty()) section.Fail("program", NoProgram(program, folder));
@@ -256,6 +259,7 @@ void Compose(const std::vector<std::string>& names, const fs::path& program_fold
   }
   if (deployment->provider.empty()) FailOption("--compose", list, "a deployment with a provider");
   Process composed = *deployment->Find(deployment->provider);
+  composed.certificate = "compose";  // with the roles of all of them
   composed.arguments.insert(composed.arguments.begin(),
                             {"--provider", composed.program.filename().string()});
   for (const std::string& name : names) {
@@ -292,7 +296,7 @@ void Record(const fs::path& path, const fs::path& folder, Deployment* deployment
     return;
   }
   Process logger;
-  logger.name = "logger";
+  logger.name = logger.certificate = "logger";
   logger.program = FindProgram("sinew-logger", fs::current_path(), folder);
   if (logger.program.empty()) throw UsageError("--record: " + NoProgram("sinew-logger", folder));
   logger.arguments = {"--out", output};
@@ -356,12 +360,14 @@ void AddProviderOptions(const Deployment& deployment, std::vector<std::string>* 
 }
 
 // Named also when it is loopback alone, so that SINEW_INTERFACE of a shell opens no robot.
-void AddNetwork(const Deployment& deployment, std::vector<std::string>* line) {
+void AddNetwork(const Deployment& deployment, const Process& process,
+                std::vector<std::string>* line) {
   for (const std::string& name : deployment.interfaces) {
     line->insert(line->end(), {"--interface", name});
   }
   if (deployment.interfaces.empty()) line->insert(line->end(), {"--interface", "lo"});
-  if (!deployment.qos.empty()) line->insert(line->end(), {"--qos", deployment.qos.string()});
+  const fs::path qos = QosOf(deployment, process.certificate);
+  if (!qos.empty()) line->insert(line->end(), {"--qos", qos.string()});
   if (!deployment.key.empty()) line->insert(line->end(), {"--key", deployment.key.string()});
   for (const std::string& name : deployment.open) line->insert(line->end(), {"--open", name});
 }
@@ -385,6 +391,14 @@ Deployment LoadDeployment(const fs::path& file, const Overrides& overrides,
   const config::Section network = root.ChildOrEmpty("network");
   deployment.interfaces = ReadInterfaces(network, "interfaces");
   if (network.Has("qos")) deployment.qos = fs::absolute(network.ExistingPath("qos"));
+  if (network.Has("security")) {
+    if (network.Has("qos")) {
+      network.Fail("qos",
+                   "given with 'security', whose certificates have profiles of their own, "
+                   "expected one of them");
+    }
+    deployment.security = fs::absolute(file).parent_path() / network.Text("security");
+  }
   if (network.Has("key")) deployment.key = fs::absolute(network.ExistingPath("key"));
   deployment.open = ReadInterfaces(network, "open");
   deployment.isolated = network.BoolOr("isolate", false);
@@ -454,6 +468,23 @@ Deployment LoadDeployment(const fs::path& file, const Overrides& overrides,
   return deployment;
 }
 
+fs::path QosOf(const Deployment& deployment, const std::string& certificate) {
+  if (deployment.security.empty()) return deployment.qos;
+  return deployment.security / certificate / kQosOfCertificate;
+}
+
+void CheckCertificates(const Deployment& deployment) {
+  if (deployment.security.empty()) return;
+  for (const Process& process : deployment.processes) {
+    const fs::path qos = QosOf(deployment, process.certificate);
+    std::error_code error;
+    if (process.plain || fs::is_regular_file(qos, error)) continue;
+    throw UsageError(qos.string() + ": no certificate of process '" + process.name +
+                     "', expected one of 'sinew security init' or 'sinew security add ROLE " +
+                     process.certificate + " HOST'");
+  }
+}
+
 std::vector<std::string> CommandLine(const Deployment& deployment, const Process& process,
                                      int restarts) {
   std::vector<std::string> line{process.program.string()};
@@ -461,7 +492,7 @@ std::vector<std::string> CommandLine(const Deployment& deployment, const Process
     line.insert(line.end(),
                 {"--name", process.name, "--domain", std::to_string(deployment.domain_id), "--seed",
                  std::to_string(deployment.seed)});
-    AddNetwork(deployment, &line);
+    AddNetwork(deployment, process, &line);
     if (deployment.lockstep) line.push_back("--lockstep");
     if (deployment.realtime_priority) line.push_back("--realtime");
     if (!process.config.empty()) line.insert(line.end(), {"--config", process.config.string()});

@@ -27,7 +27,8 @@ struct Process {
   double back_off_s = 0.5;  // doubled at each restart
   bool plain = false;       // a foreign program: no common options
   bool stop_last = false;
-  bool vital = true;  // false: its failure is reported, and the others go on
+  bool vital = true;        // false: its failure is reported, and the others go on
+  std::string certificate;  // its folder in Deployment::security; by default its name
 };
 
 struct Deployment {
@@ -37,6 +38,7 @@ struct Deployment {
   bool isolated = false;                // in a network of its own: isolation.h
   std::vector<std::string> interfaces;  // beside loopback; empty: nobody on a network is heard
   std::filesystem::path qos;            // QoS profiles of all its processes; empty: SINEW_QOS
+  std::filesystem::path security;       // folder with a certificate for each; empty: none
   std::filesystem::path key;            // of their datagrams; empty: SINEW_KEY
   std::vector<std::string> open;        // where DDS security does instead of the key
   bool lockstep = false;
@@ -70,6 +72,12 @@ struct Overrides {
 // UsageError for anything wrong in the file or the overrides.
 Deployment LoadDeployment(const std::filesystem::path& file, const Overrides& overrides = {},
                           const std::filesystem::path& program_folder = ProgramFolder());
+
+// The file of QoS profiles of a process with this certificate; empty: that of SINEW_QOS, or none.
+std::filesystem::path QosOf(const Deployment& deployment, const std::string& certificate);
+
+// Every process has its certificate, where the deployment has them. Throws UsageError.
+void CheckCertificates(const Deployment& deployment);
 
 // Program and arguments, ready for exec. A logger that is started again writes beside its first
 // file: run.mcap, run-2.mcap, run-3.mcap.

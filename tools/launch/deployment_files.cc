@@ -37,12 +37,18 @@ class FileList {
  public:
   explicit FileList(fs::path folder) : folder_(std::move(folder)) {}
 
+  // Whatever names it.
+  void Leave(const fs::path& file) {
+    std::error_code error;
+    paths_.insert(fs::weakly_canonical(file, error));
+  }
   void Add(const fs::path& file) {
     std::error_code error;
     const fs::path path = fs::weakly_canonical(file, error);
     // A text like "rig" may be the name of anything; one with a suffix is meant as a file.
     if (error || !path.has_extension() || path.extension() == ".mcap" ||
-        !fs::is_regular_file(path, error) || !paths_.insert(path).second) {
+        path.extension() == ".key" || !fs::is_regular_file(path, error) ||
+        !paths_.insert(path).second) {
       return;
     }
     files_.push_back({NameOf(path), path});
@@ -74,6 +80,7 @@ class FileList {
 std::vector<DeploymentFile> FilesOf(const Deployment& deployment) {
   std::error_code error;
   FileList list(fs::weakly_canonical(deployment.file, error).parent_path());
+  list.Leave(deployment.key);  // whoever gets the recording does not get the robot
   list.Add(deployment.file);
   for (const Process& process : deployment.processes) {
     if (!process.config.empty()) list.Add(process.config);

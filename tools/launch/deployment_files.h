@@ -22,7 +22,8 @@ struct DeploymentFile {
 // In the order in which they are named, each once. A text of a YAML file counts as a path when it
 // is that of a file that exists, relative to the folder of the YAML file as config::Section reads
 // paths; an argument of a process also when it is relative to the working folder. Recordings
-// (.mcap) are left out: they are not configuration, and large.
+// (.mcap) are left out: they are not configuration, and large; so are keys (.key, network.key),
+// which whoever gets a recording must not get.
 std::vector<DeploymentFile> FilesOf(const Deployment& deployment);
 
 }  // namespace sinew::launch

@@ -98,11 +98,14 @@ std::vector<Finding> CheckDomain(const DoctorOptions& options) {
   const auto end = DoctorClock::now() + std::chrono::duration<double>(options.wait_s);
   while (DoctorClock::now() < end) node.WaitForData(std::chrono::milliseconds(50));
   const std::vector<node::Endpoint> endpoints = node.Endpoints();
-  std::vector<Finding> findings;
+  std::vector<Finding> findings = {inspect::CheckOpenness(
+      {options.node.interfaces, node.has_security() || !options.node.key_path.empty()}, endpoints)};
   if (endpoints.empty()) {
-    return {{"participants", Severity::kNote,
-             "none in domain " + std::to_string(options.node.domain_id),
-             "start the deployment first, or --domain, --interface of another one"}};
+    findings.push_back({"participants", Severity::kNote,
+                        "none in domain " + std::to_string(options.node.domain_id),
+                        "start the deployment first, or --domain, --interface of another one; "
+                        "one with keys is heard with --key or --qos alone"});
+    return findings;
   }
   Append(&findings, inspect::CheckPeers(endpoints, node.Problems()));
   const std::lock_guard lock(heard->mutex);

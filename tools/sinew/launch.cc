@@ -119,7 +119,8 @@ bool LookFirst(const launch::Deployment& deployment) {
   options.domain_id = deployment.domain_id;
   options.interfaces = deployment.interfaces;
   options.open_interfaces = deployment.open;
-  options.qos_path = OrOfEnvironment(deployment.qos, "SINEW_QOS");
+  options.qos_path = OrOfEnvironment(
+      launch::QosOf(deployment, deployment.Find(deployment.provider)->certificate), "SINEW_QOS");
   options.key_path = OrOfEnvironment(deployment.key, "SINEW_KEY");
   if (deployment.lockstep) options.mode = node::TimeMode::kLockstep;
   node::Node node(options);
@@ -142,6 +143,7 @@ void RunLaunch(LaunchOptions options) {
     PrintPlan(deployment, options.json);
     return;
   }
+  launch::CheckCertificates(deployment);
   if (!LookFirst(deployment)) return;
   std::vector<std::string> names;
   for (const launch::Process& process : deployment.processes) names.push_back(process.name);

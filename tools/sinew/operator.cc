@@ -81,6 +81,10 @@ std::string Why(const Request& request, const std::optional<msg::JointState>& st
     return std::string("no state provider heard in domain ") + std::to_string(domain_id) +
            (heard ? "; the command was delivered to others" : "");
   }
+  if (!heard) {
+    return "the robot is heard, but nobody takes commands of this process: its key, or the role of "
+           "its certificate (--key, --qos)";
+  }
   const std::string now = StateName(state->robot_state());
   if (request.action == msg::OPERATOR_ARM &&
       (state->robot_state() == msg::ROBOT_FAULT || state->robot_state() == msg::ROBOT_ESTOPPED)) {

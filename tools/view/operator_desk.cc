@@ -39,10 +39,17 @@ OperatorDesk::OperatorDesk(node::Node& node, std::vector<std::filesystem::path> 
     : node_(node),
       sockets_(std::move(sockets)),
       states_(node.MakeReader(node::kJointState)),
-      statuses_(node.MakeReader(node::kComponentStatus)),
-      commands_(node.MakeWriter(node::kOperatorCommand)) {}
+      statuses_(node.MakeReader(node::kComponentStatus)) {
+  try {
+    commands_.emplace(node.MakeWriter(node::kOperatorCommand));
+  } catch (const node::DdsError& refused) {
+    why_not_ = refused.what();
+    spdlog::warn("the page shows and commands nothing: {}", why_not_);
+  }
+}
 
 std::string OperatorDesk::Ask(Action action) {
+  if (!commands_ && action != Action::kEstop) return why_not_;
   {
     const std::lock_guard lock(mutex_);
     const bool estop_waits = estop_pending_ || asked_ == Action::kEstop;
@@ -93,6 +100,7 @@ void OperatorDesk::Step(std::int64_t now_ns) {
 }
 
 void OperatorDesk::Send(Action action) {
+  if (!commands_) return;
   msg::OperatorCommand command;
   command.header().session_id(session_id_);
   command.header().tick(tick_);
@@ -100,7 +108,7 @@ void OperatorDesk::Send(Action action) {
   command.header().origin(static_cast<msg::Origin>(origin_));
   command.action(MessageOf(action));
   command.reason(kReason);
-  if (commands_.Write(command) != node::WriteStatus::kOk) {
+  if (commands_->Write(command) != node::WriteStatus::kOk) {
     spdlog::warn("{} could not be written; it is repeated", NameOf(action));
   }
 }

@@ -18,7 +18,8 @@ namespace sinew::live {
 
 class OperatorDesk {
  public:
-  // sockets: of state providers on this host; empty: those of the domain.
+  // sockets: of state providers on this host; empty: those of the domain. With a certificate that
+  // may not command it goes on, and its estop is by sockets alone.
   OperatorDesk(node::Node& node, std::vector<std::filesystem::path> sockets);
 
   // Any thread. Empty, or why not.
@@ -38,7 +39,8 @@ class OperatorDesk {
   const std::vector<std::filesystem::path> sockets_;
   node::Reader<msg::JointState> states_;
   node::Reader<msg::ComponentStatus> statuses_;
-  node::Writer<msg::OperatorCommand> commands_;
+  std::optional<node::Writer<msg::OperatorCommand>> commands_;  // none: DDS security refuses it
+  std::string why_not_;                                         // then
   std::mutex mutex_;
   std::optional<Action> asked_;  // guarded: since the last Step
   bool estop_pending_ = false;   // guarded

@@ -26,7 +26,8 @@ enum Submessage : std::uint8_t {
   kData = 0x15,
   kDataFragment = 0x16,
   kSecureBody = 0x30,     // DDS Security 1.1, 7.3.6: body, prefix and postfix of a submessage,
-  kSecurePostfix = 0x34,  // prefix and postfix of a message
+  kSecureMessage = 0x33,  // prefix of a message,
+  kSecurePostfix = 0x34,  // and its postfix
 };
 
 constexpr std::uint16_t kParameterPad = 0x0000, kSentinel = 0x0001;
@@ -201,8 +202,14 @@ bool Holds(const Rule& rule, std::span<const std::uint8_t> value, bool little_en
 
 class Checker {
  public:
-  Checker(std::span<const std::uint8_t> datagram, bool secure, std::vector<std::uint8_t>* copy)
-      : datagram_(datagram), secure_(secure), copy_(copy) {}
+  Checker(std::span<const std::uint8_t> datagram, Protection protection,
+          std::vector<std::uint8_t>* copy)
+      : datagram_(datagram),
+        secure_(protection != Protection::kNone),
+        // The library decrypts a message that begins so as a whole, or drops it.
+        plain_(protection == Protection::kRequired &&
+               (datagram.size() <= kHeader || datagram[kHeader] != kSecureMessage)),
+        copy_(copy) {}
 
   std::span<const std::uint8_t> Run() {
     constexpr std::string_view kMagic = "RTPS";
@@ -211,6 +218,7 @@ class Checker {
       return {};
     }
     std::size_t at = kHeader, end = kHeader;  // end: of the last submessage that goes on
+    bool says_something = false;
     while (at < datagram_.size()) {
       if (datagram_.size() - at < kSubmessageHeader) return {};
       const std::uint8_t id = datagram_[at];
@@ -221,15 +229,18 @@ class Checker {
       if (length == 0 && id != kPad && id != kInfoTimestamp) length = datagram_.size() - body;
       if (length > datagram_.size() - body) return {};
       const std::size_t next = std::min(datagram_.size(), body + (length + 3) / 4 * 4);
-      if (!Wanted(id)) {
+      if (!Wanted(id) || (plain_ && !MayBePlain(id, body, length))) {
         removed_.push_back(at);
       } else {
         if (!WellFormed(id, datagram_[at + 1], body, length)) return {};
         end = next;
+        says_something = says_something || !IsAboutOthers(id);
       }
       at = next;
     }
-    return end == kHeader ? std::span<const std::uint8_t>() : Edited(end);
+    // Nothing is left, or, of what ought to be encrypted, nothing but what stood in front of it.
+    if (end == kHeader || (plain_ && !says_something)) return {};
+    return Edited(end);
   }
 
  private:
@@ -249,6 +260,30 @@ class Checker {
         return true;
       default:
         return secure_ && id >= kSecureBody && id <= kSecurePostfix;
+    }
+  }
+
+  // What only says something about the submessages that follow.
+  static bool IsAboutOthers(std::uint8_t id) {
+    return id == kPad || id == kInfoTimestamp || id == kInfoDestination || id == kInfoSource;
+  }
+
+  // In a message that is not encrypted, where all are: what is said before there are keys, and what
+  // is encrypted itself.
+  bool MayBePlain(std::uint8_t id, std::size_t at, std::size_t length) const {
+    switch (id) {
+      case kData:
+      case kDataFragment: {
+        constexpr std::size_t kToWriter = 8, kWriter = 4;
+        if (length < kToWriter + kWriter) return false;
+        const std::uint32_t writer =
+            Fields(datagram_.subspan(at + kToWriter, kWriter), false).Long();
+        return writer == kDiscoveryOfParticipants || writer == kHandshakes;
+      }
+      case kInfoSource:  // that all comes from somebody else
+        return false;
+      default:
+        return IsAboutOthers(id) || (id >= kSecureBody && id <= kSecurePostfix);
     }
   }
 
@@ -431,6 +466,7 @@ class Checker {
 
   std::span<const std::uint8_t> datagram_;
   bool secure_;
+  bool plain_;  // not encrypted, where it ought to be
   std::vector<std::uint8_t>* copy_;
   std::vector<std::size_t> removed_;  // where submessages begin
   std::vector<std::size_t> blanked_;  // where parameters begin
@@ -440,7 +476,7 @@ class Checker {
 
 std::span<const std::uint8_t> DatagramFilter::Pass(std::span<const std::uint8_t> datagram,
                                                    std::vector<std::uint8_t>* copy) const {
-  return Checker(datagram, secure_, copy).Run();
+  return Checker(datagram, protection_, copy).Run();
 }
 
 }  // namespace sinew::node::internal

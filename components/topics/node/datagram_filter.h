@@ -8,7 +8,8 @@
 //     contradicts itself (sets of sequence numbers, fragments, lists of parameters), a sample of a
 //     writer without an identifier, fragments of discovery
 //   taken out, the rest goes on: submessages of vendors (0x80 and above, statistics included) and
-//     those of no use here; parameters of discovery that no participant needs
+//     those of no use here; parameters of discovery that no participant needs; plain submessages
+//     where DDS security protects all
 //
 // It knows no keys: who sends well-formed RTPS is accepted, as by every participant without DDS
 // security (docs/safety.md). Pure; any thread.
@@ -20,10 +21,19 @@
 
 namespace sinew::node::internal {
 
+// DDS security of the participant. Fast DDS 2.9 decrypts what is encrypted, and reads what is not
+// as well: a plain sample in the name of a participant with keys reaches its readers unless the
+// payload itself is protected.
+enum class Protection {
+  kNone,      // without: its submessages and tokens are taken out
+  kAllowed,   // handed on, and plain ones as well
+  kRequired,  // plain ones are taken out, but for announcements and handshakes, which have no keys
+              // yet
+};
+
 class DatagramFilter {
  public:
-  // secure: the participant has DDS security, whose submessages and tokens are handed on.
-  explicit DatagramFilter(bool secure) : secure_(secure) {}
+  explicit DatagramFilter(Protection protection) : protection_(protection) {}
 
   // What may be read of it: a part of the datagram itself, or of `copy` when something in its
   // middle had to be taken out. Empty: nothing.
@@ -31,7 +41,7 @@ class DatagramFilter {
                                      std::vector<std::uint8_t>* copy) const;
 
  private:
-  bool secure_;
+  Protection protection_;
 };
 
 }  // namespace sinew::node::internal

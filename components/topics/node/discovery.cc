@@ -1,9 +1,11 @@
 #include "components/topics/node/discovery.h"
 
+#include <fastrtps/utils/IPLocator.h>
 #include <spdlog/spdlog.h>
 
 #include <sstream>
 
+#include "components/topics/node/interfaces.h"
 #include "components/topics/node/names.h"
 #include "components/topics/node/participant.h"
 #include "components/topics/node/topics.h"
@@ -104,20 +106,31 @@ EndpointQos TermsOf(const Qos& qos) {
   return terms;
 }
 
+template <class Locators>
+std::vector<std::string> NetworkAddresses(const Locators& locators) {
+  std::vector<std::string> addresses;
+  for (const rtps::Locator_t& locator : locators) {
+    if (locator.kind != LOCATOR_KIND_UDPv4) continue;
+    const std::string address = rtps::IPLocator::ip_to_string(locator);
+    if (!IsLoopback(address)) addresses.push_back(address);
+  }
+  return addresses;
+}
+
 }  // namespace
 
 std::string TextOf(const rtps::GUID_t& guid) { return Text(guid); }
 
 std::string Discovery::ParticipantOf(const rtps::GUID_t& guid) const {
   const std::lock_guard<std::mutex> lock(mutex_);
-  const auto found = participants_.find(Text(guid.guidPrefix));
-  return found == participants_.end() ? "" : found->second.name;
+  const auto found = peers_.find(Text(guid.guidPrefix));
+  return found == peers_.end() ? "" : found->second.name;
 }
 
 std::vector<std::string> Discovery::JointNamesOf(const rtps::GUID_t& guid) const {
   const std::lock_guard<std::mutex> lock(mutex_);
-  const auto found = participants_.find(Text(guid.guidPrefix));
-  return found == participants_.end() ? std::vector<std::string>() : found->second.joint_names;
+  const auto found = peers_.find(Text(guid.guidPrefix));
+  return found == peers_.end() ? std::vector<std::string>() : found->second.joint_names;
 }
 
 void Discovery::AddProblem(const std::string& problem) {
@@ -138,10 +151,11 @@ void Discovery::on_participant_discovery(dds::DomainParticipant*,
   const bool gone = info.status == rtps::ParticipantDiscoveryInfo::REMOVED_PARTICIPANT ||
                     info.status == rtps::ParticipantDiscoveryInfo::DROPPED_PARTICIPANT;
   if (gone) {
-    participants_.erase(prefix);
+    peers_.erase(prefix);
   } else {
-    participants_[prefix] = {info.info.m_participantName.to_string(),
-                             JointNamesFromWire(info.info.m_userData.data_vec())};
+    peers_[prefix] = {info.info.m_participantName.to_string(),
+                      NetworkAddresses(info.info.default_locators.unicast),
+                      JointNamesFromWire(info.info.m_userData.data_vec())};
   }
   changes_.fetch_add(1, std::memory_order_release);
 }
@@ -182,7 +196,9 @@ void Discovery::Discovered(const dds::DomainParticipant* participant, Endpoint e
     if (gone) {
       endpoints_.erase(endpoint.guid);
     } else {
-      endpoint.participant = participants_[Text(guid.guidPrefix)].name;
+      const Peer& peer = peers_[Text(guid.guidPrefix)];
+      endpoint.participant = peer.name;
+      endpoint.addresses = peer.addresses;
       for (const TopicInfo& info : AllTopics()) {
         if (RegisteredTopicName(info.name) != endpoint.topic) continue;
         endpoint.topic = info.name;

@@ -54,12 +54,13 @@ class Discovery final : public dds::DomainParticipantListener {
   const std::function<void()> on_change_;
   std::atomic<std::uint64_t> changes_{0};
   mutable std::mutex mutex_;
-  struct Participant {
+  struct Peer {
     std::string name;
+    std::vector<std::string> addresses;  // but for loopback
     std::vector<std::string> joint_names;
   };
-  std::map<std::string, Participant> participants_;  // by GUID prefix
-  std::map<std::string, Endpoint> endpoints_;        // by GUID
+  std::map<std::string, Peer> peers_;          // by GUID prefix
+  std::map<std::string, Endpoint> endpoints_;  // by GUID
   std::vector<std::string> problems_;
 };
 

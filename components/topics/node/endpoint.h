@@ -40,6 +40,8 @@ struct Endpoint {
   std::string guid;            // "01.0f. ... |0.0.1.3"; in front of '|' that of the participant
   std::uint32_t strength = 0;  // of writers of EXCLUSIVE topics: the greatest one is heard
   EndpointQos qos{};
+  // Where its participant is reached, but for loopback, and for addresses of this host.
+  std::vector<std::string> addresses = {};
 };
 
 // The part of the GUID that all endpoints of a participant have in common.

@@ -11,8 +11,6 @@
 #include <utility>
 #include <vector>
 
-#include "components/topics/node/datagram_filter.h"
-
 namespace sinew::node::internal {
 
 namespace {
@@ -73,7 +71,9 @@ class FilteredTransport final : public transport::ChainingTransport {
                const rtps::Locator_t& remote_locator) override {
     datagrams_received.fetch_add(1, std::memory_order_relaxed);
     thread_local std::vector<std::uint8_t> copy;
-    const char* why = "is no RTPS of use";
+    const char* why = admission_.protection == Protection::kRequired
+                          ? "is no RTPS of use, or not protected by DDS security"
+                          : "is no RTPS of use";
     const auto admitted = Admitted({receive_buffer, receive_buffer_size}, remote_locator, &why);
     const auto passed = filter_.Pass(admitted, &copy);
     if (passed.empty()) {
@@ -89,7 +89,8 @@ class FilteredTransport final : public transport::ChainingTransport {
   std::span<const std::uint8_t> Admitted(std::span<const std::uint8_t> datagram,
                                          const rtps::Locator_t& sender, const char** why) const {
     if (!admission_.key) {
-      if (admission_.secure || !DatagramKey::HasTag(datagram)) return datagram;
+      if (admission_.protection != Protection::kNone || !DatagramKey::HasTag(datagram))
+        return datagram;
       *why = "has an authentication tag, and this process has no key (--key, SINEW_KEY)";
       return {};
     }
@@ -114,7 +115,7 @@ class FilteredTransport final : public transport::ChainingTransport {
 
   FilteredDescriptor descriptor_;
   const Admission& admission_ = descriptor_.admission();
-  const DatagramFilter filter_{admission_.secure};
+  const DatagramFilter filter_{admission_.protection};
 };
 
 transport::TransportInterface* FilteredDescriptor::create_transport() const {

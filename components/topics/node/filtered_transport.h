@@ -10,6 +10,7 @@
 #include <optional>
 #include <vector>
 
+#include "components/topics/node/datagram_filter.h"
 #include "components/topics/node/datagram_key.h"
 #include "components/topics/node/interfaces.h"
 
@@ -17,7 +18,7 @@ namespace sinew::node::internal {
 
 // Whose datagrams are read.
 struct Admission {
-  bool secure = false;                 // as DatagramFilter
+  Protection protection = Protection::kNone;
   std::optional<DatagramKey> key;      // none: everybody's
   std::vector<InterfaceAddress> open;  // with a key: networks whose hosts need no tag
 };

@@ -1,5 +1,7 @@
 #include "components/topics/node/node.h"
 
+#include <spdlog/spdlog.h>
+
 #include <algorithm>
 
 #include "components/topics/node/endpoint.h"
@@ -9,8 +11,12 @@ namespace sinew::node {
 
 Node::Node(const Options& options, const std::vector<std::string>& joint_names)
     : impl_(std::make_shared<internal::NodeImpl>(options, joint_names)) {
-  impl_->status.Open(
-      std::make_unique<internal::WriterImpl>(impl_, *FindTopic(kComponentStatus.name)));
+  try {
+    impl_->status.Open(
+        std::make_unique<internal::WriterImpl>(impl_, *FindTopic(kComponentStatus.name)));
+  } catch (const internal::RefusedBySecurity& refused) {
+    spdlog::info("{}; it runs without", refused.what());  // whoever may write nothing still reads
+  }
 }
 
 Node::~Node() {
@@ -112,6 +118,8 @@ bool Node::WaitForData(std::chrono::microseconds timeout) {
 }
 
 void Node::Wake() { impl_->signal.Notify(nullptr); }
+
+bool Node::has_security() const { return !impl_->apart() && impl_->participant->secure(); }
 
 const Options& Node::options() const { return impl_->options; }
 

@@ -114,7 +114,8 @@ struct Endpoint;  // endpoint.h
 class Node {
  public:
   // joint_names: of those that it commands, in order, for JointNamesOf at other nodes; empty where
-  // it commands none. Throws DdsError.
+  // it commands none. Without component_status where its certificate of DDS security forbids it:
+  // what may write nothing still reads. Throws DdsError.
   explicit Node(const Options& options, const std::vector<std::string>& joint_names = {});
   ~Node();
   Node(const Node&) = delete;
@@ -174,6 +175,8 @@ class Node {
   bool WaitForData(std::chrono::microseconds timeout);
   // Any thread: the present WaitForData, or else the next one, returns at once.
   void Wake();
+
+  bool has_security() const;  // DDS security, by its QoS profiles
 
   const Options& options() const;
 

@@ -6,8 +6,8 @@
 #include "components/base/config/config.h"
 #include "components/topics/node/builtin_qos.h"
 #include "components/topics/node/bytes_type.h"
+#include "components/topics/node/dds_security.h"
 #include "components/topics/node/names.h"
-#include "components/topics/node/node.h"
 #include "components/topics/node/transports.h"
 
 namespace sinew::node::internal {
@@ -71,7 +71,7 @@ void UseFreshPorts(int domain, dds::DomainParticipantQos* qos) {
 
 Participant::Participant(const Options& options, const std::vector<std::string>& joint_names,
                          dds::DomainParticipantListener* listener)
-    : mode_(options.mode) {
+    : mode_(options.mode), qos_path_(options.qos_path) {
   LoadProfiles(options);
   auto* factory = dds::DomainParticipantFactory::get_instance();
   dds::DomainParticipantQos qos;
@@ -81,13 +81,13 @@ Participant::Participant(const Options& options, const std::vector<std::string>&
   }
   qos.name(options.name.c_str());
   if (!joint_names.empty()) qos.user_data().setValue(JointNamesOnWire(joint_names));
+  secure_ = ProtectionOf(qos) != Protection::kNone;
+  if (secure_) ResolveFiles(qos_path_, &qos);
   UseFreshPorts(options.domain_id, &qos);
   RestrictTransports(options, &qos);
   participant_ = factory->create_participant(static_cast<std::uint32_t>(options.domain_id), qos,
                                              listener, dds::StatusMask::none());
-  if (participant_ == nullptr) {
-    throw DdsError("no DDS participant in domain " + std::to_string(options.domain_id));
-  }
+  if (participant_ == nullptr) Refuse("participant in domain " + std::to_string(options.domain_id));
   if (options.mode == TimeMode::kLockstep) RestrictSharedMemory();
   publisher_ = participant_->create_publisher(dds::PUBLISHER_QOS_DEFAULT);
   subscriber_ = participant_->create_subscriber(dds::SUBSCRIBER_QOS_DEFAULT);
@@ -117,6 +117,13 @@ dds::Topic* Participant::FindOrMakeTopic(const TopicInfo& info) {
   if (topic == nullptr) throw DdsError("topic '" + info.name + "' cannot be made");
   topics_[info.name] = topic;
   return topic;
+}
+
+void Participant::Refuse(const std::string& what) const {
+  if (!secure_) throw DdsError("no DDS " + what);
+  throw RefusedBySecurity("no DDS " + what + ": the certificate of " + qos_path_.string() +
+                          " does not allow it (sinew security check " +
+                          qos_path_.parent_path().string() + ")");
 }
 
 std::string Participant::ProfileFor(const TopicInfo& info) const {

@@ -10,12 +10,19 @@
 #include <vector>
 
 #include "components/topics/node/dds_pch.h"
+#include "components/topics/node/node.h"
 #include "components/topics/node/options.h"
 #include "components/topics/node/topics.h"
 
 namespace sinew::node::internal {
 
 namespace dds = eprosima::fastdds::dds;
+
+// A certificate of DDS security that may not do this.
+class RefusedBySecurity : public DdsError {
+ public:
+  using DdsError::DdsError;
+};
 
 class Participant {
  public:
@@ -32,9 +39,14 @@ class Participant {
   dds::Publisher& publisher() const { return *publisher_; }
   const eprosima::fastrtps::rtps::GUID_t& guid() const { return participant_->guid(); }
   dds::Subscriber& subscriber() const { return *subscriber_; }
+  bool secure() const { return secure_; }  // DDS security
+  // For a writer or a reader that could not be made. what: "writer for topic 'imu'".
+  [[noreturn]] void Refuse(const std::string& what) const;
 
  private:
   const TimeMode mode_;
+  const std::filesystem::path qos_path_;
+  bool secure_ = false;
   dds::DomainParticipant* participant_ = nullptr;
   dds::Publisher* publisher_ = nullptr;
   dds::Subscriber* subscriber_ = nullptr;

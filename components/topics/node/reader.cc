@@ -50,7 +50,7 @@ void ReaderImpl::OpenDds() {
                                          dds::StatusMask::data_available()
                                              << dds::StatusMask::sample_lost()
                                              << dds::StatusMask::requested_incompatible_qos());
-  if (reader_ == nullptr) throw DdsError("no reader for topic '" + topic.name + "'");
+  if (reader_ == nullptr) node->participant->Refuse("reader for topic '" + topic.name + "'");
 }
 
 ReaderImpl::~ReaderImpl() {

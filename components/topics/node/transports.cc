@@ -1,6 +1,5 @@
 #include "components/topics/node/transports.h"
 
-#include <fastdds/rtps/attributes/PropertyPolicy.h>
 #include <fastdds/rtps/transport/SocketTransportDescriptor.h>
 #include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
 #include <fastdds/rtps/transport/shared_mem/SharedMemTransportDescriptor.h>
@@ -13,6 +12,7 @@
 #include <filesystem>
 #include <string_view>
 
+#include "components/topics/node/dds_security.h"
 #include "components/topics/node/filtered_transport.h"
 #include "components/topics/node/interfaces.h"
 
@@ -22,13 +22,8 @@ namespace {
 
 namespace transport = eprosima::fastdds::rtps;
 namespace dds = eprosima::fastdds::dds;
-using eprosima::fastrtps::rtps::PropertyPolicyHelper;
 
 constexpr char kPageOnHosts[] = "docs/how-to/several-hosts.md";
-
-bool HasSecurity(const dds::DomainParticipantQos& qos) {
-  return PropertyPolicyHelper::find_property(qos.properties(), "dds.sec.auth.plugin") != nullptr;
-}
 
 std::vector<std::string> AddressTexts(const std::vector<InterfaceAddress>& allowed) {
   std::vector<std::string> texts;
@@ -102,23 +97,23 @@ void WarnWhenOpen(const dds::DomainParticipantQos& qos,
                   const std::vector<InterfaceAddress>& running) {
   static std::once_flag once;
   const std::string open = OpenAddresses(qos, running);
-  if (open.empty() || HasSecurity(qos)) return;
+  if (open.empty() || ProtectionOf(qos) != Protection::kNone) return;
   std::call_once(once, [&open] {
     spdlog::warn(
         "open to the network on {} without a key or DDS security: whoever reaches it can command "
-        "the robot ({})",
+        "the robot (sinew security, {})",
         open, kPageOnHosts);
   });
 }
 
 Admission AdmissionOf(const Options& options, const std::vector<InterfaceAddress>& running,
-                      bool secure) {
+                      Protection protection) {
   Admission out;
-  out.secure = secure;
+  out.protection = protection;
   if (!options.key_path.empty()) out.key = DatagramKey::Load(options.key_path);
   if (options.open_interfaces.empty()) return out;
   const std::string option = "--open " + options.open_interfaces.front();
-  if (!out.key || !secure) {
+  if (!out.key || protection == Protection::kNone) {
     throw UsageError(option +
                      ": expected a key (--key), and DDS security (--qos) for those who "
                      "join there without it");
@@ -169,7 +164,7 @@ void RestrictTransports(const Options& options, dds::DomainParticipantQos* qos) 
       AnnounceAll(addresses, qos);
     }
   }
-  Admission admission = AdmissionOf(options, running, HasSecurity(*qos));
+  Admission admission = AdmissionOf(options, running, ProtectionOf(*qos));
   if (!admission.key) WarnWhenOpen(*qos, running);
   for (auto& descriptor : used.user_transports) {
     if (std::dynamic_pointer_cast<transport::SocketTransportDescriptor>(descriptor)) {

@@ -33,7 +33,7 @@ void WriterImpl::OpenDds() {
   qos.ownership_strength().value = strength();
   writer_ = publisher.create_datawriter(dds_topic, qos, this,
                                         dds::StatusMask::offered_incompatible_qos());
-  if (writer_ == nullptr) throw DdsError("no writer for topic '" + topic.name + "'");
+  if (writer_ == nullptr) node->participant->Refuse("writer for topic '" + topic.name + "'");
   guid_ = TextOf(writer_->guid());
   std::copy_n(static_cast<const std::uint8_t*>(writer_->get_instance_handle().value), id_.size(),
               id_.begin());

@@ -44,6 +44,19 @@ TEST(PeerChecks, ProblemsOfTheNodeAreFaults) {
   EXPECT_EQ(findings[0].severity, Severity::kFault);
 }
 
+TEST(Openness, WhatIsOpenWithoutKeysIsAWarningThatSaysWhatItMeans) {
+  node::Endpoint peer = Peer("surrogate", true, false);
+  EXPECT_EQ(CheckOpenness({{"lo"}, false}, {peer}).severity, Severity::kOk);
+  peer.addresses = {"192.168.7.2"};
+  const Finding open = CheckOpenness({{}, false}, {peer});
+  EXPECT_EQ(open.severity, Severity::kWarning);
+  EXPECT_THAT(open.text, HasSubstr("'surrogate' on 192.168.7.2; whoever reaches that network can "
+                                   "arm, move and stop the robot"));
+  EXPECT_THAT(open.advice, HasSubstr("sinew security init"));
+  EXPECT_THAT(CheckOpenness({{"eth0"}, false}, {}).text, HasSubstr("this shell on eth0"));
+  EXPECT_EQ(CheckOpenness({{"eth0"}, true}, {peer}).severity, Severity::kOk);
+}
+
 TEST(Clocks, TheLeastDelayBoundsTheOffset) {
   // Delays of 1 to 9 ms over a clock that is 50 ms ahead.
   std::vector<ClockSample> samples;

@@ -133,6 +133,55 @@ TEST_F(DeploymentTest, ALoggerGetsEveryFileThatTheDeploymentNames) {
   EXPECT_TRUE(Load(kTwo, overrides).attachments.empty()) << "nobody records";
 }
 
+TEST_F(DeploymentTest, KeysAreNotAttachedToRecordings) {
+  folder_.Write("robot.secret", "5a");
+  folder_.Write("other.key", "5a");
+  const Deployment named =
+      Load(Changed("domain_id: 7\n", "domain_id: 7\nnetwork: {key: robot.secret}\n"));
+  EXPECT_EQ(named.key.filename(), "robot.secret");
+  for (const DeploymentFile& file : FilesOf(named)) EXPECT_NE(file.name, "robot.secret");
+  const Deployment argument =
+      Load(Changed("[--out, old.mcap]",
+                   "[--out, old.mcap, --key, " + (folder_.path() / "other.key").string() + "]"));
+  for (const DeploymentFile& file : FilesOf(argument)) EXPECT_NE(file.name, "other.key");
+}
+
+TEST_F(DeploymentTest, EveryProcessGetsTheCertificateOfItsName) {
+  const Deployment named =
+      Load(Changed("domain_id: 7\n", "domain_id: 7\nnetwork: {security: keys}\n"));
+  const std::string keys = (folder_.path() / "keys").string();
+  for (const Process& process : named.processes) {
+    const std::vector<std::string> line = CommandLine(named, process);
+    const auto at = std::find(line.begin(), line.end(), "--qos");
+    ASSERT_NE(at, line.end()) << process.name;
+    EXPECT_EQ(*std::next(at), keys + "/" + process.name + "/qos.xml");
+  }
+  try {
+    CheckCertificates(named);
+    FAIL() << "nobody has a certificate";
+  } catch (const UsageError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("keys/plant/qos.xml: no certificate of process 'plant'"));
+  }
+  for (const char* name : {"plant", "logger"}) {
+    folder_.Write("keys/" + std::string(name) + "/qos.xml", "");
+  }
+  CheckCertificates(named);
+  EXPECT_THAT(ErrorOf(Changed("domain_id: 7\n",
+                              "domain_id: 7\nnetwork: {security: keys, qos: plant.yaml}\n")),
+              HasSubstr("given with 'security'"));
+}
+
+TEST_F(DeploymentTest, ComposedProcessesShareACertificateOfTheirOwn) {
+  std::string text = Changed("mode: lockstep", "mode: realtime");
+  text.replace(text.find("domain_id: 7\n"), 13, "domain_id: 7\nnetwork: {security: keys}\n");
+  text += "  - {name: control, program: sinew-control}\n";
+  Overrides overrides;
+  overrides.compose = {"control"};
+  const Deployment composed = Load(text, overrides);
+  EXPECT_EQ(QosOf(composed, composed.Find("plant")->certificate),
+            folder_.path() / "keys/compose/qos.xml");
+}
+
 TEST_F(DeploymentTest, NamedInterfacesAreHandedToEveryProgram) {
   Overrides overrides;
   const Deployment named =

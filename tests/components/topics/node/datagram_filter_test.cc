@@ -18,7 +18,8 @@ constexpr std::initializer_list<std::uint8_t> kWriter = {0, 0, 1, 3};
 
 Datagram Passed(const Datagram& datagram, bool secure = false) {
   Datagram copy;
-  const auto out = DatagramFilter(secure).Pass(datagram, &copy);
+  const auto out =
+      DatagramFilter(secure ? Protection::kAllowed : Protection::kNone).Pass(datagram, &copy);
   return {out.begin(), out.end()};
 }
 bool Passes(const Datagram& datagram) { return Passed(datagram) == datagram; }
@@ -33,6 +34,20 @@ Datagram Sample() { return Only(kDataId, Data(kWriter, {0, 1, 0, 0, 7, 7, 7, 7})
 Datagram Statistics() { return Datagram(56, 9); }
 Datagram Announces(std::initializer_list<Datagram> parameters) {
   return Only(kDataId, Announcement(parameters), kWithPayload);
+}
+
+Datagram Handshake(std::uint32_t tokens, std::uint32_t properties) {
+  Datagram payload = {0, 1, 0, 0};
+  payload.resize(payload.size() + 96);
+  AddText(&payload, "dds.sec.auth");
+  AddNumber(&payload, tokens, 4);
+  AddText(&payload, "DDS:Auth:PKI-DH:1.0+Req");
+  AddNumber(&payload, properties, 4);
+  AddNumber(&payload, 1, 4);
+  AddText(&payload, "c.id");
+  AddNumber(&payload, 4, 4);
+  AddNumber(&payload, 7, 4);
+  return Only(kDataId, Data({0, 2, 1, 0xc3}, payload), kWithPayload);
 }
 
 TEST(DatagramFilter, WhatParticipantsSendPassesAsItIs) {
@@ -86,6 +101,48 @@ TEST(DatagramFilter, SecureSubmessagesPassWithSecurityOnly) {
   const Datagram secure = Only(0x31, {1, 2, 3, 4});
   EXPECT_TRUE(IsDropped(secure));
   EXPECT_EQ(Passed(secure, true), secure);
+}
+
+// Where DDS security protects all: what Fast DDS 2.9 would read although it is not encrypted.
+TEST(DatagramFilter, PlainSubmessagesAreTakenOutWhereAllAreProtected) {
+  const auto passed = [](const Datagram& datagram) {
+    Datagram copy;
+    const auto out = DatagramFilter(Protection::kRequired).Pass(datagram, &copy);
+    return Datagram(out.begin(), out.end());
+  };
+  const Datagram stamp = Only(0x09, Datagram(8, 1));
+  Datagram stamped = stamp;
+  AddSubmessage(&stamped, kDataId, Data(kWriter, {0, 1, 0, 0, 7, 7, 7, 7}), kWithPayload);
+  EXPECT_TRUE(Passes(stamped));
+  EXPECT_TRUE(passed(stamped).empty());
+  Datagram numbers;  // reader, writer, a set or a range
+  AddNumber(&numbers, 0, 4);
+  Add(&numbers, kWriter);
+  for (const std::uint64_t number : {1u, 1u}) AddSequenceNumber(&numbers, number);
+  AddNumber(&numbers, 1, 4);
+  for (const std::uint8_t id : {0x06, 0x07, 0x08, 0x12, 0x13}) {
+    EXPECT_TRUE(passed(Only(id, numbers)).empty()) << int{id};
+  }
+  EXPECT_TRUE(passed(Only(kFragmentId, numbers)).empty());
+  EXPECT_TRUE(passed(Only(kDataId, {1, 2, 3})).empty());
+  // The volatile secure writer's are submessages that are encrypted themselves.
+  EXPECT_TRUE(passed(Only(kDataId, Data({0xff, 2, 2, 0xc3}, {0, 1, 0, 0}), kWithPayload)).empty());
+
+  // What comes before there are keys, and what is encrypted.
+  const Datagram announcement = Announces({Parameter(0x15, {2, 2, 0, 0})});
+  EXPECT_EQ(passed(announcement), announcement);
+  EXPECT_EQ(passed(Handshake(1, 0)), Handshake(1, 0));
+  const Datagram submessage = Only(0x31, {1, 2, 3, 4});
+  EXPECT_EQ(passed(submessage), submessage);
+  Datagram message = Only(0x33, {1, 2, 3, 4});
+  AddSubmessage(&message, 0x30, {1, 2, 3, 4});
+  AddSubmessage(&message, 0x34, {1, 2, 3, 4});
+  EXPECT_EQ(passed(message), message);
+  // Encrypted, and behind it a plain one in somebody else's name.
+  Datagram behind = submessage;
+  AddSubmessage(&behind, 0x0c, Datagram(20, 1));
+  AddSubmessage(&behind, kDataId, Data(kWriter, {0, 1, 0, 0, 7, 7, 7, 7}), kWithPayload);
+  EXPECT_EQ(passed(behind), submessage);
 }
 
 TEST(DatagramFilter, LengthsThatLeaveTheDatagramAreDropped) {
@@ -148,20 +205,6 @@ TEST(DatagramFilter, ParametersThatNobodyNeedsAreBlanked) {
   AddNumber(&bad, 0x7fffffff, 4);
   AddNumber(&bad, 0, 4);
   EXPECT_TRUE(Passed(Announces({Parameter(0x1001, bad)}), true).empty());
-}
-
-Datagram Handshake(std::uint32_t tokens, std::uint32_t properties) {
-  Datagram payload = {0, 1, 0, 0};
-  payload.resize(payload.size() + 96);
-  AddText(&payload, "dds.sec.auth");
-  AddNumber(&payload, tokens, 4);
-  AddText(&payload, "DDS:Auth:PKI-DH:1.0+Req");
-  AddNumber(&payload, properties, 4);
-  AddNumber(&payload, 1, 4);
-  AddText(&payload, "c.id");
-  AddNumber(&payload, 4, 4);
-  AddNumber(&payload, 7, 4);
-  return Only(kDataId, Data({0, 2, 1, 0xc3}, payload), kWithPayload);
 }
 
 TEST(DatagramFilter, MessagesOfAHandshakeHoldWhatTheySay) {

@@ -81,7 +81,7 @@ TEST(DatagramKey, NoOtherDatagramAndNoOtherKeyHasTheTag) {
 TEST(DatagramKey, ATaggedDatagramIsWellFormedAndTheTagIsSkipped) {
   Datagram copy;
   const Datagram tagged = Tagged(KeyOf(1), Message());
-  const auto passed = DatagramFilter(false).Pass(tagged, &copy);
+  const auto passed = DatagramFilter(Protection::kNone).Pass(tagged, &copy);
   EXPECT_EQ(Datagram(passed.begin(), passed.end()), Message());
 }
 

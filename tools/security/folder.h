@@ -1,0 +1,53 @@
+// The folder of a deployment's keys and certificates:
+//
+//   security.yaml  what it is of (schema sinew-security/1)
+//   authority/     keys and certificates of the two authorities: stays where certificates are made
+//   NAME/          what one process or person has; copied as a whole to its host
+//
+// Folders appear whole or not at all, none is written over, and only their owner may read them.
+// Throws UsageError.
+#pragma once
+
+#include <chrono>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "tools/security/authority.h"
+
+namespace sinew::security {
+
+// Who gets a certificate.
+struct Member {
+  std::string name;                // also of its folder; of a process that of the deployment
+  std::vector<std::string> roles;  // roles.h
+  std::string host;                // where its folder belongs
+  bool other_library = false;      // as Subject
+};
+
+struct Settings {
+  std::string deployment;
+  int domain_id = 0;
+};
+
+struct Days {
+  int authority = 7300, certificate = 1825;
+};
+
+// Both authorities and a certificate for each member.
+void Create(const std::filesystem::path& folder, const Settings& settings,
+            const std::vector<Member>& members, Days days = {});
+
+// A further one, by the authorities of the folder.
+void Add(const std::filesystem::path& folder, const Member& member, Days days = {});
+
+struct Report {
+  int certificates = 0;
+  Seconds first_end{};              // of their validities; where there are some
+  std::vector<std::string> faults;  // a line each: FILE: what is wrong, what was expected
+  std::vector<std::string> notes;   // what will be a fault
+};
+// The folder of a deployment, or that of one certificate, copied to its host.
+Report Check(const std::filesystem::path& folder);
+
+}  // namespace sinew::security
