@@ -13,6 +13,7 @@
 #include <cstdio>
 #include <map>
 #include <memory>
+#include <optional>
 #include <set>
 #include <string>
 #include <utility>
@@ -170,6 +171,27 @@ std::string Rig(const std::string& surrogate = kRig + "surrogate.yaml") {
          kRig + "control_pid.yaml}\n";
 }
 
+// The same with air, and with networks that learn, of which each is a process of the desk.
+std::string WholeRig(const std::string& surrogate) {
+  std::string text =
+      "provider: surrogate\nprocesses:\n"
+      "  - {name: surrogate, program: sinew-surrogate, config: " +
+      surrogate + "}\n";
+  const struct {
+    const char *name, *config, *host;
+  } kProcesses[] = {{"pneumatics", "pneumatics.yaml", "host0"},
+                    {"regime", "regime.yaml", "host1"},
+                    {"reference", "reference_benchmark.yaml", "host1"},
+                    {"esn", "esn_adaptive.yaml", "host1"},
+                    {"rls", "rls.yaml", "host1"},
+                    {"control", "control_pid_esn.yaml", "host1"}};
+  for (const auto& process : kProcesses) {
+    text += std::string("  - {name: ") + process.name + ", program: sinew-" + process.name +
+            ", host: " + process.host + ", config: " + kRig + process.config + "}\n";
+  }
+  return text;
+}
+
 void ExpectOrderlyEnd(Program* launch) {
   launch->Signal(SIGINT);
   EXPECT_EQ(launch->Wait(kEnough), 0) << launch->error();
@@ -225,30 +247,50 @@ TEST(Hosts, OneFileOverTwoHostsLossesACutAndAnEstopFromTheOther) {
 
 // --- by night: figures, and what lasts
 
-// Tracking of the rig while it moves, from a recording on the robot's own host; the references that
-// were lost on their way are no part of it.
-double TrackingError_rad(const std::string& file, std::size_t joints) {
+// Tracking of a robot while it moves, from a recording on its own host: references that were lost
+// on their way there are no part of it.
+struct Tracking {
+  double rmse_rad = 0.0;
+  // Of the provider's ticks: those that a command answers, and those in which it damped.
+  double answered = 0.0, damped = 0.0;
+  double stale = 0.0;  // of the commands: made without one of their inputs
+};
+
+Tracking TrackingOf(const std::string& file, std::size_t joints) {
   const auto recording = PayloadsByTopic(file);
   std::map<std::uint64_t, msg::Reference> references;
   for (const auto& reference : MessagesOf<msg::Reference>(recording, "reference")) {
     references[reference.header().tick()] = reference;
   }
-  double sum = 0.0;
-  std::size_t count = 0;
+  std::map<std::uint64_t, bool> commands;  // stale
+  for (const auto& command : MessagesOf<msg::JointCommand>(recording, "joint_command")) {
+    commands[command.header().tick()] = command.stale();
+  }
+  double ticks = 0.0, squares = 0.0;
+  Tracking out;
   for (const auto& state : MessagesOf<msg::JointState>(recording, "joint_state")) {
     const auto at = references.find(state.header().tick());
     if (at == references.end() || at->second.idle()) continue;
     for (std::size_t joint = 0; joint < joints; ++joint) {
-      sum += std::pow(at->second.position_rad()[joint] - state.position_rad()[joint], 2);
-      ++count;
+      squares += std::pow(at->second.position_rad()[joint] - state.position_rad()[joint], 2);
     }
+    ++ticks;
+    if (state.robot_state() == msg::ROBOT_DAMPED) ++out.damped;
+    const auto command = commands.find(state.header().tick());
+    if (command == commands.end()) continue;
+    ++out.answered;
+    if (command->second) ++out.stale;
   }
-  EXPECT_GT(count, 1000u);
-  return std::sqrt(sum / static_cast<double>(count));
+  EXPECT_GT(ticks, 1000.0);
+  out.rmse_rad = std::sqrt(squares / (ticks * static_cast<double>(joints)));
+  out.stale /= out.answered;
+  out.answered /= ticks;
+  out.damped /= ticks;
+  return out;
 }
 
 struct Motion {
-  double rmse_rad = 0.0;
+  Tracking tracking;
   std::set<msg::RobotState> states;
   std::vector<std::string> sources;
   double lost = 0.0;  // share of the frames
@@ -258,9 +300,10 @@ struct Motion {
 constexpr std::uint64_t kMotionTicks = 10 * 240;
 
 // The benchmark's motion over two hosts. clock: of the second one.
-Motion Move(const CableQuality& quality, const std::string& clock = "") {
+Motion Move(const CableQuality& quality, bool whole = false, const std::string& clock = "") {
   const TemporaryFolder folder;
-  Robot robot(2, Rig(GuardOf200ms(folder)));
+  const std::string surrogate = GuardOf200ms(folder);
+  Robot robot(2, whole ? WholeRig(surrogate) : Rig(surrogate));
   Motion run;
   EXPECT_EQ(robot.why_not(), "");
   const std::string file = robot.Path("run.mcap");
@@ -280,18 +323,21 @@ Motion Move(const CableQuality& quality, const std::string& clock = "") {
   run.sources = robot.sources();
   ExpectOrderlyEnd(there.get());
   ExpectOrderlyEnd(here.get());
-  run.rmse_rad = TrackingError_rad(file, 1);
+  run.tracking = TrackingOf(file, 1);
   return run;
 }
 
-void Print(const char* what, const Motion& run, const Motion& base) {
+void Print(const std::string& what, double lost, const Tracking& tracking, const Tracking& base,
+           double witness_ms) {
   std::printf(
-      "%-28s frames lost %5.1f %%, RMSE %.5f rad, %.3f of that without losses; damped: %s, "
-      "fault: %s; witness %.1f ms\n",
-      what, 100.0 * run.lost, run.rmse_rad, run.rmse_rad / base.rmse_rad,
-      run.states.contains(msg::ROBOT_DAMPED) ? "yes" : "no",
-      run.states.contains(msg::ROBOT_FAULT) ? "yes" : "no", run.witness_ms);
+      "%-26s frames lost %4.1f %%: RMSE %.5f rad, %.3f of that without; ticks answered %.1f %%, "
+      "damped %.2f %%; commands stale %.2f %%; witness %.1f ms\n",
+      what.c_str(), 100.0 * lost, tracking.rmse_rad, tracking.rmse_rad / base.rmse_rad,
+      100.0 * tracking.answered, 100.0 * tracking.damped, 100.0 * tracking.stale, witness_ms);
   std::fflush(stdout);
+}
+void Print(const std::string& what, const Motion& run, const Motion& base) {
+  Print(what, run.lost, run.tracking, base.tracking, run.witness_ms);
 }
 
 class HostsByNight : public ::testing::Test {
@@ -319,9 +365,22 @@ TEST_F(HostsByNight, LossesDisorderRepeatsAndDelaysLeaveTheTracking) {
   for (const auto& one : kCases) {
     const Motion run = Move(one.quality);
     Print(one.name, run, base);
-    EXPECT_LE(run.rmse_rad, one.most * base.rmse_rad) << one.name;
+    EXPECT_LE(run.tracking.rmse_rad, one.most * base.tracking.rmse_rad) << one.name;
     EXPECT_FALSE(run.states.contains(msg::ROBOT_FAULT)) << one.name;
     EXPECT_THAT(run.sources, ::testing::ElementsAre("control")) << one.name;
+  }
+}
+
+// Figures only: networks, regime and adaptation each lose a share of their own, and control goes on
+// with the last prediction where that of the tick is lost.
+TEST_F(HostsByNight, TheWholeRigMovesWithItsNetworksOnTheOtherHost) {
+  const Motion base = Move({}, true);
+  Print("whole rig, none", base, base);
+  for (const double lost : {0.02, 0.1}) {
+    const Motion run = Move({.lost = lost}, true);
+    Print("whole rig", run, base);
+    EXPECT_FALSE(run.states.contains(msg::ROBOT_FAULT)) << lost;
+    EXPECT_THAT(run.sources, ::testing::ElementsAre("control")) << lost;
   }
 }
 
@@ -329,11 +388,11 @@ TEST_F(HostsByNight, ClocksAnHourApartChangeNothing) {
   SKIP_WITHOUT_PACKAGE(!FakeTimeLibrary().empty(), "libfaketime");
   const Motion base = Move({});
   for (const char* shift : {"+3600", "-3600"}) {
-    const Motion run = Move({.lost = 0.02}, shift);
+    const Motion run = Move({.lost = 0.02}, false, shift);
     Print(shift, run, base);
     EXPECT_FALSE(run.states.contains(msg::ROBOT_FAULT)) << shift;
     EXPECT_THAT(run.sources, ::testing::ElementsAre("control")) << shift;
-    EXPECT_LE(run.rmse_rad, 1.5 * base.rmse_rad) << shift;
+    EXPECT_LE(run.tracking.rmse_rad, 1.1 * base.tracking.rmse_rad) << shift;
   }
 }
 
@@ -347,7 +406,8 @@ TEST_F(HostsByNight, AnEstopFromTheOtherHostComesInASecondAtTenPercentLoss) {
   robot.cable().Set({.lost = 0.1});
   const auto resident = NodeOn(robot.hosts().pid(1), "resident");
   auto commands = resident->MakeWriter(node::kOperatorCommand);
-  ASSERT_TRUE(robot.WaitFor([&](const auto&) { return commands.matched_readers() > 0; }));
+  constexpr int kReaders = 3;  // control, reference, and the surrogate on the other host
+  ASSERT_TRUE(robot.WaitFor([&](const auto&) { return commands.matched_readers() == kReaders; }));
   std::vector<double> resident_ms, command_ms;
   const auto since = [](std::chrono::steady_clock::time_point begin) {
     return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin)
@@ -368,14 +428,17 @@ TEST_F(HostsByNight, AnEstopFromTheOtherHostComesInASecondAtTenPercentLoss) {
     estop.action(msg::OPERATOR_ESTOP);
     const auto begin = std::chrono::steady_clock::now();
     (void)commands.Write(estop);
-    ASSERT_TRUE(robot.WaitFor(msg::ROBOT_ESTOPPED));
+    ASSERT_TRUE(robot.WaitFor(msg::ROBOT_ESTOPPED)) << round << here->error();
     resident_ms.push_back(since(begin));
     ASSERT_NO_FATAL_FAILURE(reset());
   }
   for (int round = 0; round < 30; ++round) {
     const auto begin = std::chrono::steady_clock::now();
-    EXPECT_EQ(robot.Ask(1, {"estop", "--timeout", "20"}).exit_code, 0);
+    Program command(robot.hosts().On(1, {kSinew, "estop", "--domain", std::to_string(kDomain),
+                                         "--interface", "wire0", "--timeout", "20"}));
+    ASSERT_TRUE(robot.WaitFor(msg::ROBOT_ESTOPPED)) << round;
     command_ms.push_back(since(begin));
+    EXPECT_EQ(command.Wait(kEnough), 0) << command.error();
     ASSERT_NO_FATAL_FAILURE(reset());
   }
   for (auto* all : {&resident_ms, &command_ms}) {
@@ -444,22 +507,25 @@ TEST_F(HostsByNight, AStandbyOnAThirdHostIsObeyedOnlyOnceTheOwnersHostIsLost) {
   const auto here = robot.Launch(0), there = robot.Launch(1);
   ASSERT_TRUE(robot.WaitFor(msg::ROBOT_DISARMED)) << here->error();
   ASSERT_NO_FATAL_FAILURE(robot.Arm(1));
-  robot.cable().Set({.lost = 0.1});
+  robot.cable().Set({.lost = 0.02});
   // By its clock it was started an hour before the owner.
   const auto third = robot.Launch(2, {}, WithClock("-3600"));
-  ASSERT_TRUE(third->WaitForText("standby", kEnough));
-  std::set<msg::RobotState> states = robot.StatesOf(10 * 240);
-  EXPECT_FALSE(states.contains(msg::ROBOT_FAULT));
-  std::string all;
-  for (const std::string& source : robot.sources()) all += source + " ";
-  std::printf("obeyed at 10 %% loss, beside a standby: %s\n", all.c_str());
+  EXPECT_FALSE(robot.StatesOf(10 * 240).contains(msg::ROBOT_FAULT));
+  EXPECT_THAT(robot.sources(), ::testing::ElementsAre("control")) << third->error();
   robot.cable().Cut(1);
-  states = robot.StatesOf(3 * 240);
-  EXPECT_FALSE(states.contains(msg::ROBOT_FAULT)) << "the standby takes over within 200 ms";
-  EXPECT_EQ(robot.sources().back(), "standby");
-  ExpectOrderlyEnd(third.get());
-  ExpectOrderlyEnd(there.get());
-  ExpectOrderlyEnd(here.get());
+  EXPECT_FALSE(robot.StatesOf(3 * 240).contains(msg::ROBOT_FAULT))
+      << "the standby takes over within 200 ms";
+  EXPECT_THAT(robot.sources(), ::testing::ElementsAre("control", "standby"));
+  robot.cable().Mend(1);
+  EXPECT_FALSE(robot.StatesOf(5 * 240).contains(msg::ROBOT_FAULT));
+  EXPECT_THAT(robot.sources(), ::testing::ElementsAre("control", "standby"))
+      << "what comes back is below";
+  // Five commands in a row, the deadline of an owner, are lost every 20 s: 0.19^5 of 240 Hz.
+  robot.cable().Set({.lost = 0.1});
+  EXPECT_FALSE(robot.StatesOf(10 * 240).contains(msg::ROBOT_FAULT));
+  std::printf("owners in 10 s of 10 %% loss, beside a standby: %zu\n", robot.sources().size() - 1);
+  robot.cable().Set({});
+  for (Program* launch : {third.get(), there.get(), here.get()}) ExpectOrderlyEnd(launch);
 }
 
 TEST_F(HostsByNight, ABipedOverThreeHosts) {
@@ -473,7 +539,7 @@ TEST_F(HostsByNight, ABipedOverThreeHosts) {
                   "control_position.yaml}\n"
                   "  - {name: reference, program: sinew-reference, host: host2, config: " +
                   kBiped + "reference_benchmark.yaml}\n");
-  double clean_rad = 0.0;
+  std::optional<Tracking> base;
   for (const double lost : {0.0, 0.02, 0.1}) {
     const std::string file = robot.Path("run" + std::to_string(lost) + ".mcap");
     const auto here = robot.Launch(0, {"--record", file}), there = robot.Launch(1),
@@ -482,17 +548,15 @@ TEST_F(HostsByNight, ABipedOverThreeHosts) {
     ASSERT_TRUE(robot.WaitForCommand());
     ASSERT_EQ(robot.Ask(2, {"arm"}).exit_code, 0) << here->error();
     robot.cable().Set({.lost = lost});
+    const Witness witness;
     const std::set<msg::RobotState> states = robot.StatesOf(14 * 240);
+    const double witness_ms = witness.Latest_ms();
     robot.cable().Set({});
     for (Program* launch : {there.get(), third.get(), here.get()}) ExpectOrderlyEnd(launch);
-    const double error_rad = TrackingError_rad(file, 12);
-    if (lost == 0.0) clean_rad = error_rad;
-    std::printf("biped, %.0f %% lost: RMSE %.5f rad, %.3f of that without; damped: %s, fault: %s\n",
-                100.0 * lost, error_rad, error_rad / clean_rad,
-                states.contains(msg::ROBOT_DAMPED) ? "yes" : "no",
-                states.contains(msg::ROBOT_FAULT) ? "yes" : "no");
+    const Tracking tracking = TrackingOf(file, 12);
+    if (!base) base = tracking;
+    Print("biped over three hosts", lost, tracking, *base, witness_ms);
     EXPECT_FALSE(states.contains(msg::ROBOT_FAULT));
-    EXPECT_LE(error_rad, (lost > 0.05 ? 1.5 : 1.1) * clean_rad);
   }
 }
 
