@@ -62,8 +62,11 @@ bool IsRecorder(const RecordedParticipant& participant) {
 
 }  // namespace
 
-Graph GraphOfDomain(const std::vector<node::Endpoint>& endpoints, bool all) {
+Graph GraphOfDomain(const std::vector<node::Endpoint>& endpoints, bool all,
+                    const std::map<std::string, std::string>& hosts) {
   Graph graph;
+  std::set<std::string> different;
+  for (const auto& [participant, host] : hosts) different.insert(host);
   // Names by participant, in the order of their GUIDs: the second of a name is "name (2)".
   std::map<std::string, std::string> names;
   std::map<std::string, int> taken;
@@ -75,6 +78,8 @@ Graph GraphOfDomain(const std::vector<node::Endpoint>& endpoints, bool all) {
     const int count = ++taken[at->second];
     if (count > 1) at->second += " (" + std::to_string(count) + ")";
     graph.participants.push_back(at->second);
+    const auto host = hosts.find(id);
+    if (different.size() > 1 && host != hosts.end()) graph.hosts[at->second] = host->second;
   }
   std::set<std::string> unwritten;
   for (const node::Endpoint& endpoint : endpoints) {
@@ -138,7 +143,10 @@ std::string DotText(const Graph& graph, const std::string& title) {
                     "  node [fontname=\"DejaVu Sans\", fontsize=11];\n"
                     "  edge [color=\"#5f6b76\"];\n";
   for (const std::string& participant : graph.participants) {
-    out += "  " + DotQuoted("p:" + participant) + " [label=" + DotQuoted(participant) +
+    const auto host = graph.hosts.find(participant);
+    const std::string label =
+        participant + (host == graph.hosts.end() ? "" : " on " + host->second);
+    out += "  " + DotQuoted("p:" + participant) + " [label=" + DotQuoted(label) +
            ", shape=box, style=filled, fillcolor=\"#dcecf1\"];\n";
   }
   std::set<std::string> topics;

@@ -2,6 +2,7 @@
 // Graphviz. Pure.
 #pragma once
 
+#include <map>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -21,13 +22,15 @@ struct GraphLink {
 struct Graph {
   std::vector<std::string> participants;  // those without links too
   std::vector<GraphLink> links;
+  std::map<std::string, std::string> hosts;  // of participants, where there are several hosts
   std::vector<std::string> unwritten;  // topics that are read and that nobody writes: drawn grey
 };
 
 // Of what discovery reports. component_status and recording_progress, which all write or a recorder
 // alone, only with `all`. A participant that reads its own topic, to hear of another owner, is a
-// reader only when there is another writer.
-Graph GraphOfDomain(const std::vector<node::Endpoint>& endpoints, bool all);
+// reader only when there is another writer. hosts: by node::ParticipantId, as far as known.
+Graph GraphOfDomain(const std::vector<node::Endpoint>& endpoints, bool all,
+                    const std::map<std::string, std::string>& hosts = {});
 
 // Of a recording: its writers, and its participants by name and kind (component_status).
 struct RecordedWriter {

@@ -18,6 +18,8 @@ namespace {
 // order.
 constexpr double kMostOffset_ms = 1000.0 / 240.0;
 
+constexpr double kMostLost = 0.02;
+
 // difference_ms: the least one of arrival - sending.
 Finding CheckClock(const std::string& host, std::optional<double> difference_ms) {
   const std::string name = "host '" + host + "'";
@@ -138,6 +140,26 @@ std::vector<Finding> CheckClocks(const std::vector<ClockSample>& samples,
   }
   if (findings.empty()) {
     findings.push_back({"clocks", Severity::kOk, "all participants are on this host", ""});
+  }
+  return findings;
+}
+
+std::vector<Finding> CheckLosses(const std::vector<Loss>& losses) {
+  std::vector<Finding> findings;
+  for (const Loss& loss : losses) {
+    if (loss.sent == 0) continue;
+    const double share = static_cast<double>(loss.lost) / static_cast<double>(loss.sent);
+    char text[96];
+    std::snprintf(text, sizeof(text), ": %llu of %llu lost (%.1f %%)",
+                  static_cast<unsigned long long>(loss.lost),
+                  static_cast<unsigned long long>(loss.sent), 100.0 * share);
+    if (share <= kMostLost) {
+      findings.push_back({"losses", Severity::kOk, loss.what + text, ""});
+    } else {
+      findings.push_back({"losses", Severity::kWarning, loss.what + text,
+                          "a cable instead of radio, a switch of its own, fewer recorders; is this "
+                          "host or that one overloaded?"});
+    }
   }
   return findings;
 }

@@ -1,4 +1,4 @@
-// What is wrong between the participants of a domain: types, QoS, clocks. Pure.
+// What is wrong between the participants of a domain: types, QoS, clocks, losses. Pure.
 #pragma once
 
 #include <cstdint>
@@ -41,5 +41,15 @@ struct ClockSample {
 // either direction is no finding. Samples from history are not compared.
 std::vector<Finding> CheckClocks(const std::vector<ClockSample>& samples,
                                  const std::string& own_host);
+
+// Messages that one host sends to another, and how many of them are lost.
+struct Loss {
+  std::string what;        // "joint_state of host 'robot'"
+  std::uint64_t sent = 0;  // none: nothing was heard
+  std::uint64_t lost = 0;
+};
+// Two in a hundred are no finding: a robot's tracking is no worse for them
+// (tests/system/hosts_test.cc).
+std::vector<Finding> CheckLosses(const std::vector<Loss>& losses);
 
 }  // namespace sinew::inspect

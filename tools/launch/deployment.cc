@@ -1,8 +1,5 @@
 #include "tools/launch/deployment.h"
 
-#include <net/if.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <charconv>
 #include <optional>
@@ -12,6 +9,7 @@
 #include "components/base/config/config.h"
 #include "components/topics/isolation/isolation.h"
 #include "tools/launch/deployment_files.h"
+#include "tools/launch/hosts.h"
 
 namespace sinew::launch {
 
@@ -46,26 +44,6 @@ bool IsName(const std::string& name) {
                      [](unsigned char c) { return std::isalnum(c) != 0 || c == '_' || c == '-'; });
 }
 
-// Names of this machine's interfaces, as text for messages.
-std::string InterfaceNames() {
-  std::string names;
-  struct if_nameindex* list = ::if_nameindex();
-  if (list == nullptr) return "none can be listed";
-  for (const struct if_nameindex* entry = list; entry->if_index != 0; ++entry) {
-    names += (names.empty() ? "" : ", ") + std::string(entry->if_name);
-  }
-  ::if_freenameindex(list);
-  return names;
-}
-
-// Empty: every name is an interface of this machine.
-std::string UnknownInterface(const std::vector<std::string>& names) {
-  for (const std::string& name : names) {
-    if (::if_nametoindex(name.c_str()) == 0) return name;
-  }
-  return {};
-}
-
 std::vector<std::string> ReadInterfaces(const config::Section& network, const char* key) {
   std::vector<std::string> names = network.TextsOr(key, {});
   const std::string unknown = UnknownInterface(names);
@@ -76,24 +54,50 @@ std::vector<std::string> ReadInterfaces(const config::Section& network, const ch
   return names;
 }
 
-Process ReadProcess(const config::Section& section, const fs::path& folder, bool lockstep) {
+// The host that the process names, by default the first one: the file means the same everywhere.
+std::string ReadHost(const config::Section& section, const std::vector<Host>& hosts) {
+  if (hosts.empty()) {
+    if (section.Has("host")) section.Fail("host", "expected 'hosts' in this file");
+    return {};
+  }
+  std::vector<std::string> names;
+  names.reserve(hosts.size());
+  for (const Host& host : hosts) names.push_back(host.name);
+  return section.ChoiceOr("host", names.front(), names);
+}
+
+// Programs and files of other hosts are looked for there.
+void ReadFiles(const config::Section& section, const fs::path& folder, bool here,
+               Process* process) {
   const fs::path base = section.file().parent_path();
+  const std::string program = section.Text("program");
+  if (!here) {
+    process->program = program;
+    if (section.Has("config")) process->config = fs::absolute(base / section.Text("config"));
+    return;
+  }
+  process->program = FindProgram(program, base, folder);
+  if (process->program.empty()) section.Fail("program", NoProgram(program, folder));
+  if (section.Has("config")) process->config = fs::absolute(section.ExistingPath("config"));
+}
+
+// here: the host whose processes start; nullptr: all.
+Process ReadProcess(const config::Section& section, const fs::path& folder,
+                    const Deployment& deployment, const Host* here) {
   Process process;
   process.name = section.Text("name");
   if (!IsName(process.name)) {
     section.Fail("name", "'" + process.name + "', expected letters, digits, '_' or '-'");
   }
   process.certificate = process.name;
-  const std::string program = section.Text("program");
-  process.program = FindProgram(program, base, folder);
-  if (process.program.empty()) section.Fail("program", NoProgram(program, folder));
+  process.host = ReadHost(section, deployment.hosts);
+  ReadFiles(section, folder, here == nullptr || process.host == here->name, &process);
   process.arguments = section.TextsOr("arguments", {});
-  if (section.Has("config")) process.config = fs::absolute(section.ExistingPath("config"));
   process.after = section.TextsOr("after", {});
   process.ready_when = section.TextOr("ready_when", "");
   process.vital = section.BoolOr("vital", !IsObserver(process));
   process.restart = RestartFromWord(section.ChoiceOr(
-      "restart", process.vital || lockstep ? "never" : "on_failure", kRestartWords));
+      "restart", process.vital || deployment.lockstep ? "never" : "on_failure", kRestartWords));
   process.max_restarts =
       static_cast<int>(section.IntegerOr("max_restarts", process.max_restarts, {0, 1000}));
   process.back_off_s = section.NumberOr("back_off_s", process.back_off_s, {0.0, 600.0});
@@ -157,7 +161,8 @@ Process* FindMutable(Deployment* deployment, const std::string& name, const std:
     if (process.name == name) return &process;
     names += (names.empty() ? "" : ", ") + process.name;
   }
-  FailOption(option, text, "a process of " + deployment->file.string() + ": " + names);
+  const std::string here = deployment->host.empty() ? "" : " on host " + deployment->host;
+  FailOption(option, text, "a process of " + deployment->file.string() + here + ": " + names);
 }
 
 void ApplyToProcess(const std::string& setting, const std::string& process_name,
@@ -183,6 +188,13 @@ void ApplyToProcess(const std::string& setting, const std::string& process_name,
   }
 }
 
+// For what the provider is given, and it alone.
+void RequireProvider(const std::string& option, const std::string& text,
+                     const Deployment& deployment) {
+  if (!deployment.provider_elsewhere()) return;
+  FailOption(option, text, "it where the provider '" + deployment.provider + "' runs");
+}
+
 void ApplySetting(const std::string& setting, const fs::path& folder, Deployment* deployment) {
   const std::size_t equals = setting.find('=');
   if (equals == std::string::npos || equals == 0) FailOption("--set", setting, "KEY=VALUE");
@@ -196,6 +208,7 @@ void ApplySetting(const std::string& setting, const fs::path& folder, Deployment
     }
     deployment->lockstep = value == "lockstep";
   } else if (key == "duration_s") {
+    RequireProvider("--set", setting, *deployment);
     deployment->duration_s = ParseNumber(setting, value, 0.0, 1e9);
   } else if (key == "grace_s") {
     deployment->grace_s = ParseNumber(setting, value, 0.0, kLongestGrace_s);
@@ -258,6 +271,7 @@ void Compose(const std::vector<std::string>& names, const fs::path& program_fold
     FailOption("--compose", list, "mode realtime: lockstep has no use for it");
   }
   if (deployment->provider.empty()) FailOption("--compose", list, "a deployment with a provider");
+  RequireProvider("--compose", list, *deployment);
   Process composed = *deployment->Find(deployment->provider);
   composed.certificate = "compose";  // with the roles of all of them
   composed.arguments.insert(composed.arguments.begin(),
@@ -284,6 +298,8 @@ void Compose(const std::vector<std::string>& names, const fs::path& program_fold
 // The logger of the deployment writes to `path`; one is added when there is none.
 void Record(const fs::path& path, const fs::path& folder, Deployment* deployment) {
   const std::string output = fs::absolute(path).lexically_normal().string();
+  // In lockstep the provider waits for the loggers that it knows of.
+  if (deployment->lockstep) RequireProvider("--record", path.string(), *deployment);
   for (Process& process : deployment->processes) {
     if (!IsLogger(process)) continue;
     auto& arguments = process.arguments;
@@ -296,7 +312,11 @@ void Record(const fs::path& path, const fs::path& folder, Deployment* deployment
     return;
   }
   Process logger;
-  logger.name = logger.certificate = "logger";
+  logger.name = "logger";
+  for (const Process& other : deployment->elsewhere) {
+    if (other.name == logger.name) logger.name += "_" + deployment->host;
+  }
+  logger.certificate = "logger";
   logger.program = FindProgram("sinew-logger", fs::current_path(), folder);
   if (logger.program.empty()) throw UsageError("--record: " + NoProgram("sinew-logger", folder));
   logger.arguments = {"--out", output};
@@ -309,6 +329,10 @@ void Record(const fs::path& path, const fs::path& folder, Deployment* deployment
 // The holder of the network is the first to start and among the last to stop.
 void Isolate(const config::Section& network, const std::vector<std::string>& moved,
              const fs::path& folder, Deployment* deployment) {
+  if (!deployment->host.empty()) {
+    throw UsageError(deployment->file.string() +
+                     ": isolate: an isolated deployment is of one host, expected no 'hosts'");
+  }
   if (!deployment->interfaces.empty()) {
     network.Fail("interfaces", "an isolated deployment is reached on no network, expected none");
   }
@@ -352,7 +376,10 @@ void AddProviderOptions(const Deployment& deployment, std::vector<std::string>* 
   std::string await;
   for (const std::string& topic : deployment.await) await += (await.empty() ? "" : ",") + topic;
   const bool named = await.find(kProgressTopic) != std::string::npos;
-  if (!named && std::any_of(deployment.processes.begin(), deployment.processes.end(), IsLogger)) {
+  const bool recorded =
+      std::any_of(deployment.processes.begin(), deployment.processes.end(), IsLogger) ||
+      std::any_of(deployment.elsewhere.begin(), deployment.elsewhere.end(), IsLogger);
+  if (!named && recorded) {
     await += (await.empty() ? "" : ",") + std::string(kProgressTopic) + ":" +
              std::to_string(kRecordingWindow);
   }
@@ -381,6 +408,11 @@ const Process* Deployment::Find(const std::string& process_name) const {
   return nullptr;
 }
 
+bool Deployment::provider_elsewhere() const {
+  return std::any_of(elsewhere.begin(), elsewhere.end(),
+                     [this](const Process& process) { return process.name == provider; });
+}
+
 Deployment LoadDeployment(const fs::path& file, const Overrides& overrides,
                           const fs::path& program_folder) {
   const config::Section root = config::Section::Load(file, "sinew-deployment/1");
@@ -388,8 +420,19 @@ Deployment LoadDeployment(const fs::path& file, const Overrides& overrides,
   deployment.file = file;
   deployment.name = root.TextOr("name", file.stem().string());
   deployment.domain_id = static_cast<int>(root.IntegerOr("domain_id", 0, {0, kLargestDomain}));
+  deployment.hosts = ReadHosts(root);
+  const Host* here = HostHere(deployment.hosts, file, overrides.host);
   const config::Section network = root.ChildOrEmpty("network");
+  for (const char* key : {"interfaces", "open"}) {
+    if (!deployment.hosts.empty() && network.Has(key)) {
+      network.Fail(key, "each of the 'hosts' names its own interface, expected none here");
+    }
+  }
   deployment.interfaces = ReadInterfaces(network, "interfaces");
+  if (here != nullptr) {
+    deployment.host = here->name;
+    deployment.interfaces = {here->interface};
+  }
   if (network.Has("qos")) deployment.qos = fs::absolute(network.ExistingPath("qos"));
   if (network.Has("security")) {
     if (network.Has("qos")) {
@@ -414,7 +457,7 @@ Deployment LoadDeployment(const fs::path& file, const Overrides& overrides,
   const std::vector<config::Section> sections = root.List("processes");
   std::set<std::string> names;
   for (const config::Section& section : sections) {
-    Process process = ReadProcess(section, program_folder, deployment.lockstep);
+    Process process = ReadProcess(section, program_folder, deployment, here);
     if (!names.insert(process.name).second) {
       section.Fail("name", "'" + process.name + "' given twice, expected a name of its own");
     }
@@ -430,9 +473,26 @@ Deployment LoadDeployment(const fs::path& file, const Overrides& overrides,
       if (!names.contains(name)) {
         sections[i].Fail("after", "'" + name + "', expected the name of a process");
       }
+      if (deployment.Find(name)->host != deployment.processes[i].host) {
+        sections[i].Fail("after", "'" + name + "' is of another host, expected one of host '" +
+                                      deployment.processes[i].host +
+                                      "': participants wait for those elsewhere by themselves");
+      }
     }
   }
   CheckOrder(sections, deployment.processes);
+  const Process* provider = deployment.Find(deployment.provider);
+  if (provider != nullptr && !provider->vital) {
+    throw UsageError(file.string() + ": provider: '" + provider->name +
+                     "' has vital: false, expected true");
+  }
+  if (here != nullptr) {
+    const auto first = std::stable_partition(
+        deployment.processes.begin(), deployment.processes.end(),
+        [here](const Process& process) { return process.host == here->name; });
+    deployment.elsewhere.assign(first, deployment.processes.end());
+    deployment.processes.erase(first, deployment.processes.end());
+  }
 
   for (const std::string& name : overrides.without) RemoveProcess(name, &deployment);
   for (const std::string& setting : overrides.settings) {
@@ -453,12 +513,12 @@ Deployment LoadDeployment(const fs::path& file, const Overrides& overrides,
         ->arguments.push_back(text.substr(equals + 1));
   }
   for (Process& process : deployment.processes) {
-    if (process.name == deployment.provider && !process.vital) {
-      throw UsageError(file.string() + ": provider: '" + process.name +
-                       "' has vital: false, expected true");
-    }
     // In lockstep the provider waits for observers too.
     process.vital = process.vital || deployment.lockstep;
+  }
+  if (deployment.processes.empty()) {
+    throw UsageError(file.string() + ": processes: none is of host '" + deployment.host +
+                     "', expected 'host: " + deployment.host + "' at one, or --record");
   }
   if (std::any_of(deployment.processes.begin(), deployment.processes.end(), IsLogger)) {
     for (const DeploymentFile& attached : FilesOf(deployment)) {

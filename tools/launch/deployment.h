@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "tools/launch/find_program.h"
+#include "tools/launch/hosts.h"
 
 namespace sinew::launch {
 
@@ -17,7 +18,8 @@ enum class Restart { kNever, kOnFailure, kAlways };
 
 struct Process {
   std::string name;
-  std::filesystem::path program;  // absolute
+  std::string host;               // of the deployment's hosts; empty: it is of one
+  std::filesystem::path program;  // absolute; of another host as the file names it
   std::vector<std::string> arguments;
   std::filesystem::path config;    // empty: none
   std::vector<std::string> after;  // starts when these are ready
@@ -48,10 +50,14 @@ struct Deployment {
   std::vector<std::string> await;  // lockstep: replies that end a tick, TOPIC or TOPIC:WINDOW
   bool realtime_priority = false;
   double grace_s = 3.0;
-  std::vector<Process> processes;
+  std::vector<Host> hosts;               // empty: of one host
+  std::string host;                      // the one that is started here; empty: all that there are
+  std::vector<Process> processes;        // of this host
+  std::vector<Process> elsewhere;        // of the others, which start them
   std::vector<std::string> attachments;  // NAME=FILE: what its loggers attach to recordings
 
-  const Process* Find(const std::string& process_name) const;  // nullptr: no such process
+  const Process* Find(const std::string& process_name) const;  // nullptr: no such process here
+  bool provider_elsewhere() const;
 };
 
 // What a user changes on the command line without editing the file.
@@ -64,8 +70,10 @@ struct Overrides {
   std::vector<std::string> without;    // names of processes left out
   std::vector<std::string> compose;    // names of processes that run in the provider's thread
   bool compose_all = false;            // all that can
-  bool isolate = false;                // in a network of its own
-  std::filesystem::path record;        // non-empty: the logger writes here; added if there is none
+  // Whose part is started: the name of a host, kAllHosts, or empty: by this machine's name.
+  std::string host;
+  bool isolate = false;          // in a network of its own
+  std::filesystem::path record;  // non-empty: the logger writes here; added if there is none
 };
 
 // `program_folder`: where programs named without a slash are looked for before PATH. Throws

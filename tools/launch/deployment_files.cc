@@ -88,6 +88,9 @@ std::vector<DeploymentFile> FilesOf(const Deployment& deployment) {
       if (!argument.empty()) list.Add(fs::absolute(argument, error));
     }
   }
+  for (const Process& process : deployment.elsewhere) {
+    if (!process.config.empty()) list.Add(process.config);
+  }
   return list.Take();
 }
 

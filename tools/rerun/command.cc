@@ -204,6 +204,7 @@ int RunCommand(const RerunOptions& options) {
   const TemporaryFiles folder, edited;
   launch::Overrides overrides;
   overrides.settings = options.settings;
+  overrides.host = launch::kAllHosts;
   const launch::Deployment deployment = launch::LoadDeployment(
       options.deployment.empty() ? UnpackDeployment(reader, file, folder.path())
                                  : options.deployment,

@@ -77,7 +77,9 @@ struct InitOptions {
 };
 
 void Init(const InitOptions& options) {
-  const launch::Deployment deployment = launch::LoadDeployment(options.deployment);
+  launch::Overrides overrides;
+  overrides.host = launch::kAllHosts;
+  const launch::Deployment deployment = launch::LoadDeployment(options.deployment, overrides);
   fs::path folder = options.folder;
   if (folder.empty()) {
     folder = !deployment.security.empty()

@@ -19,7 +19,7 @@ std::vector<Member> MembersOf(const launch::Deployment& deployment,
   }
   std::vector<Member> members;
   for (const launch::Process& process : deployment.processes) {
-    Member member{process.name, {}, host};
+    Member member{process.name, {}, process.host.empty() ? host : process.host};
     if (const auto given = roles.find(process.name); given != roles.end()) {
       member.roles = given->second;
     } else if (process.plain) {

@@ -13,8 +13,9 @@ namespace sinew::security {
 
 // A certificate each for an operator, an observer, a logger and a player, where no process has that
 // name; one for each process with the role of its program, or those of `roles` (by its name).
-// Plain processes have none unless they are in `roles`. Throws UsageError for a program whose role
-// is not known, and for names in `roles` that are no process.
+// A process of a deployment over several hosts belongs on its own, the others on `host`. Plain
+// processes have none unless they are in `roles`. Throws UsageError for a program whose role is not
+// known, and for names in `roles` that are no process.
 std::vector<Member> MembersOf(const launch::Deployment& deployment,
                               const std::map<std::string, std::vector<std::string>>& roles,
                               const std::string& host);

@@ -5,14 +5,16 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <filesystem>
 #include <iostream>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <nlohmann/json.hpp>
-#include <set>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "components/base/types/json_text.h"
@@ -76,24 +78,95 @@ std::vector<Finding> CheckCanInterfaces(const inspect::CanSettings& settings) {
   }
 }
 
-// Listens in the domain.
-std::vector<Finding> CheckDomain(const DoctorOptions& options) {
-  struct Heard {
-    std::mutex mutex;
-    std::vector<inspect::ClockSample> samples;
-    std::set<node::WriterId> writers;  // of them
-  };
-  const auto heard = std::make_shared<Heard>();
-  node::Node node(options.node);
-  node.ReadRaw(*node::FindTopic(node::kComponentStatus.name), [heard](node::RawSample&& sample) {
+// What is heard in a domain: DDS threads add, the command reads at the end.
+class Heard {
+ public:
+  void AddStatus(const node::RawSample& sample) {
     msg::ComponentStatus status;
     if (!node::Decode(sample.payload, &status)) return;
-    const std::lock_guard lock(heard->mutex);
+    const std::lock_guard lock(mutex_);
     // component_status is latched: the first one of a writer may be old.
-    const bool from_history = heard->writers.insert(sample.writer).second;
-    heard->samples.push_back({status.host().to_string(), sample.source_stamp_ns,
-                              sample.reception_stamp_ns, from_history});
-  });
+    const auto [at, from_history] = participants_.try_emplace(ParticipantOf(sample.writer));
+    const std::string host = status.host().to_string();
+    samples_.push_back({host, sample.source_stamp_ns, sample.reception_stamp_ns, from_history});
+    Participant& participant = at->second;
+    if (participant.session != status.header().session_id()) {
+      participant = {status.name().to_string(), host, status.header().session_id(),
+                     status.header().tick(), status.missed_ticks()};
+    }
+    participant.ticks = status.header().tick() - participant.first_tick;
+    participant.missed = status.missed_ticks() - participant.first_missed;
+  }
+
+  // A message of every cycle.
+  void AddCycle(const node::RawSample& sample) {
+    const std::lock_guard lock(mutex_);
+    Cycles& cycles =
+        cycles_.try_emplace(sample.writer, Cycles{sample.topic, sample.sequence}).first->second;
+    cycles.last = std::max(cycles.last, sample.sequence);
+    ++cycles.heard;
+  }
+
+  std::vector<Finding> Findings() const {
+    const std::lock_guard lock(mutex_);
+    const std::string own_host = node::HostName();
+    std::vector<Finding> findings = inspect::CheckClocks(samples_, own_host);
+    std::vector<inspect::Loss> losses;
+    std::string provider_host;
+    for (const auto& [writer, cycles] : cycles_) {
+      const auto at = participants_.find(ParticipantOf(writer));
+      if (at == participants_.end()) continue;
+      if (cycles.topic == node::kJointState.name) provider_host = at->second.host;
+      if (at->second.host == own_host) continue;
+      const std::uint64_t sent = cycles.last - cycles.first + 1;
+      losses.push_back({cycles.topic + " of host '" + at->second.host + "' on its way here", sent,
+                        sent - std::min(sent, cycles.heard)});
+    }
+    for (const auto& [id, participant] : participants_) {
+      if (provider_host.empty() || participant.host == provider_host) continue;
+      losses.push_back({"ticks of host '" + provider_host + "' at '" + participant.name +
+                            "' of host '" + participant.host + "'",
+                        participant.ticks, participant.missed});
+    }
+    Append(&findings, inspect::CheckLosses(losses));
+    return findings;
+  }
+
+ private:
+  using ParticipantId = std::array<std::uint8_t, 12>;  // the GUID's first part
+  struct Participant {
+    std::string name, host;
+    std::uint64_t session = 0;
+    std::uint64_t first_tick = 0, first_missed = 0;
+    std::uint64_t ticks = 0, missed = 0;  // since the first message
+  };
+  struct Cycles {
+    std::string topic;
+    std::uint64_t first = 0, last = 0, heard = 0;  // numbers of DDS, without gaps
+  };
+
+  static ParticipantId ParticipantOf(const node::WriterId& writer) {
+    ParticipantId id{};
+    std::copy_n(writer.begin(), id.size(), id.begin());
+    return id;
+  }
+
+  mutable std::mutex mutex_;
+  std::vector<inspect::ClockSample> samples_;
+  std::map<ParticipantId, Participant> participants_;
+  std::map<node::WriterId, Cycles> cycles_;
+};
+
+// Listens in the domain.
+std::vector<Finding> CheckDomain(const DoctorOptions& options) {
+  const auto heard = std::make_shared<Heard>();
+  node::Node node(options.node);
+  node.ReadRaw(*node::FindTopic(node::kComponentStatus.name),
+               [heard](node::RawSample&& sample) { heard->AddStatus(sample); });
+  for (const std::string_view topic : {node::kJointState.name, node::kJointCommand.name}) {
+    node.ReadRaw(*node::FindTopic(topic),
+                 [heard](node::RawSample&& sample) { heard->AddCycle(sample); });
+  }
   using DoctorClock = std::chrono::steady_clock;
   const auto end = DoctorClock::now() + std::chrono::duration<double>(options.wait_s);
   while (DoctorClock::now() < end) node.WaitForData(std::chrono::milliseconds(50));
@@ -108,8 +181,7 @@ std::vector<Finding> CheckDomain(const DoctorOptions& options) {
     return findings;
   }
   Append(&findings, inspect::CheckPeers(endpoints, node.Problems()));
-  const std::lock_guard lock(heard->mutex);
-  Append(&findings, inspect::CheckClocks(heard->samples, node::HostName()));
+  Append(&findings, heard->Findings());
   return findings;
 }
 

@@ -1,5 +1,7 @@
 #include "tools/sinew/graph.h"
 
+#include <sinew_idl/status.h>
+
 #include <CLI/CLI.hpp>
 #include <chrono>
 #include <filesystem>
@@ -37,11 +39,22 @@ struct GraphOptions {
 inspect::Graph ListenForGraph(const GraphOptions& options) {
   using GraphClock = std::chrono::steady_clock;
   node::Node node(options.node);
+  auto statuses = node.MakeReader(node::kComponentStatus);
+  std::map<node::WriterId, std::string> hosts;
   const auto end = GraphClock::now() + std::chrono::duration<double>(options.wait_s);
   while (GraphClock::now() < end) {
     node.WaitForData(std::chrono::milliseconds(50));
+    while (const auto status = statuses.TakeNext()) {
+      hosts[statuses.writer()] = status->host().to_string();
+    }
   }
-  return inspect::GraphOfDomain(node.Endpoints(), options.all);
+  std::map<std::string, std::string> by_participant;
+  for (const auto& [writer, host] : hosts) {
+    node::Endpoint endpoint;
+    if (const auto name = node.NameOf(writer)) endpoint.guid = name->guid;
+    by_participant[node::ParticipantId(endpoint)] = host;
+  }
+  return inspect::GraphOfDomain(node.Endpoints(), options.all, by_participant);
 }
 
 inspect::Graph GraphFromFile(const GraphOptions& options) {

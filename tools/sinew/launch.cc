@@ -53,10 +53,15 @@ void PrintPlan(const launch::Deployment& deployment, bool json) {
   for (const launch::Process& process : deployment.processes) {
     const std::vector<std::string> line = launch::CommandLine(deployment, process);
     list.push_back({{"name", process.name}, {"command", line}, {"after", process.after}});
+    if (!process.host.empty()) list.back()["host"] = process.host;
     if (json) continue;
     std::cout << process.name << ":";
     for (const std::string& word : line) std::cout << ' ' << Quoted(word);
     std::cout << '\n';
+  }
+  for (const launch::Process& process : deployment.elsewhere) {
+    list.push_back({{"name", process.name}, {"host", process.host}});
+    if (!json) std::cout << process.name << ": on host " << process.host << '\n';
   }
   if (!json) return;
   const nlohmann::ordered_json plan = {{"name", deployment.name},
@@ -72,8 +77,10 @@ void PrintPlan(const launch::Deployment& deployment, bool json) {
 std::string Summary(const launch::Deployment& deployment, const launch::Result& result) {
   std::ostringstream text;
   text.precision(1);
-  text << std::fixed << deployment.name << ": " << deployment.processes.size() << " processes, "
-       << result.duration_s << " s, " << result.restarts << " restarts, ";
+  text << std::fixed << deployment.name
+       << (deployment.host.empty() ? "" : " on host " + deployment.host) << ": "
+       << deployment.processes.size() << " processes, " << result.duration_s << " s, "
+       << result.restarts << " restarts, ";
   if (result.ok()) {
     text << (result.stopped_by_user ? "stopped as asked" : "all ended well");
   } else {
@@ -112,7 +119,9 @@ void PrintResult(const launch::Deployment& deployment, const launch::Result& res
 bool LookFirst(const launch::Deployment& deployment) {
   // Newcomers are answered at once; the provider itself looks for longer.
   constexpr std::chrono::milliseconds kLook{300};
-  if (deployment.provider.empty() || deployment.isolated) return true;
+  if (deployment.provider.empty() || deployment.isolated || deployment.provider_elsewhere()) {
+    return true;
+  }
   const node::StopFlag stop;
   node::Options options;
   options.component = options.name = "launch";
@@ -144,6 +153,9 @@ void RunLaunch(LaunchOptions options) {
     return;
   }
   launch::CheckCertificates(deployment);
+  for (const launch::Host& host : deployment.hosts) {
+    if (host.name == deployment.host) launch::RequireUser(host, deployment.file);
+  }
   if (!LookFirst(deployment)) return;
   std::vector<std::string> names;
   for (const launch::Process& process : deployment.processes) names.push_back(process.name);
@@ -170,6 +182,11 @@ void AddDeploymentOptions(CLI::App& command, LaunchOptions* options) {
   command.add_option("--domain", options->domain, "DDS domain, 0 to 232")
       ->envname("SINEW_DOMAIN")
       ->type_name("NUMBER");
+  command
+      .add_option("--host", options->overrides.host,
+                  "Whose part of a deployment over several hosts is started, by default this "
+                  "machine's by its name; all: every process on this machine, on loopback")
+      ->type_name("NAME");
   command.add_flag("--isolate", options->overrides.isolate,
                    "In a network of its own, which nobody else can send to");
   command.add_option("--record", options->record, "Record to this file (adds a logger if needed)")

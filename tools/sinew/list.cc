@@ -285,25 +285,30 @@ void PrintParticipants(const Json& rows, const std::string& own_host) {
     name_width = std::max(name_width, row["name"].get<std::string>().size());
     if (row.contains("host")) hosts.insert(row["host"].get<std::string>());
   }
-  // Hosts are a column only where there are several.
+  // Hosts, and the ticks that were lost on the way, are columns only where there are several.
   std::size_t host_width = 0;
   if (hosts.size() > 1) {
     host_width = std::string_view("host").size() + 2;
     for (const std::string& host : hosts) host_width = std::max(host_width, host.size() + 2);
   }
   const auto print = [&](const std::string& name, const std::string& host, const std::string& state,
-                         const std::array<std::string, 4>& numbers, const std::string& message) {
+                         const std::array<std::string, 4>& numbers, const std::string& missed,
+                         const std::string& message) {
     std::string line = name + std::string(name_width + 2 - name.size(), ' ');
     if (host_width > 0) line += host + std::string(host_width - host.size(), ' ');
     char columns[80];
     std::snprintf(columns, sizeof(columns), "%-10s %8s %10s %8s %6s", state.c_str(),
                   numbers[0].c_str(), numbers[1].c_str(), numbers[2].c_str(), numbers[3].c_str());
     line += columns;
+    if (host_width > 0) {
+      std::snprintf(columns, sizeof(columns), " %8s", missed.c_str());
+      line += columns;
+    }
     if (!message.empty()) line += "  " + message;
     Print("%s\n", line.c_str());
   };
   Print("\n");
-  print("participant", "host", "state", {"pid", "cycles", "stale", "MB"}, "message");
+  print("participant", "host", "state", {"pid", "cycles", "stale", "MB"}, "missed", "message");
   for (const Json& row : rows) {
     const std::string memory =
         row.contains("resident_MB")
@@ -311,7 +316,7 @@ void PrintParticipants(const Json& rows, const std::string& own_host) {
             : "-";
     print(row["name"].get<std::string>(), row.value("host", "-"), Standing(row),
           {Cell(row, "process_id"), Cell(row, "cycles"), Cell(row, "stale_inputs"), memory},
-          row.value("message", ""));
+          Cell(row, "missed_ticks"), row.value("message", ""));
   }
 }
 

@@ -7,6 +7,9 @@ namespace sinew::node::internal {
 
 namespace {
 
+// No clock of an epoch shows an earlier time.
+constexpr std::chrono::sys_days kBegin = std::chrono::year(2024) / std::chrono::January / 1;
+
 // The lowest strength of those that have settled; above all where there is none.
 Strength Lowest(std::span<const Rival> rivals) {
   Strength lowest = std::numeric_limits<Strength>::max();
@@ -22,13 +25,19 @@ Strength OneBelow(Strength strength) { return std::max(strength - 1, kJoiningStr
 }  // namespace
 
 Strength FirstStrength(std::chrono::system_clock::time_point started) noexcept {
-  using std::chrono::sys_days, std::chrono::year, std::chrono::January;
   using Quarters = std::chrono::duration<std::int64_t, std::ratio<1, 4>>;
-  constexpr sys_days kBegin = year(2024) / January / 1;
   const std::int64_t age = std::chrono::floor<Quarters>(started - kBegin).count();
   // Never among those that join, whatever the clock says.
   constexpr std::int64_t kMost = kGreatestFirstStrength - (1u << 20);
   return kGreatestFirstStrength - static_cast<Strength>(std::clamp<std::int64_t>(age, 0, kMost));
+}
+
+std::chrono::nanoseconds ClockOffset(std::int64_t stamp_ns,
+                                     std::chrono::system_clock::time_point now) noexcept {
+  const std::chrono::nanoseconds stamp(stamp_ns);
+  if (stamp < kBegin.time_since_epoch()) return std::chrono::nanoseconds(0);
+  const std::chrono::nanoseconds offset = stamp - now.time_since_epoch();
+  return std::chrono::abs(offset) < std::chrono::seconds(1) ? std::chrono::nanoseconds(0) : offset;
 }
 
 Strength StrengthBelow(Strength own, std::span<const Rival> rivals) {

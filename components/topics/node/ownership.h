@@ -13,7 +13,8 @@
 //   two of one strength, started within a quarter of a second of each other: the one with the
 //     higher GUID, which is not heard, goes below all
 //   a writer that was silent for longer than the deadline while others were not goes below all,
-//     before it writes again: who was replaced stays so
+//     before it writes again: who was replaced stays so; after a silence in which discovery may
+//     have forgotten the others it joins anew
 //   a handover, the operator's command, puts the writer above all, once it has settled: before that
 //     it may not hear yet what it computes its samples from
 //
@@ -35,15 +36,26 @@ using Strength = std::uint32_t;
 inline constexpr Strength kJoiningStrength = 1;
 
 // Of a writer that was started then: a step less every quarter of a second since 2024, until 2040.
-// Cyclone DDS has signed strengths: 2^31 is the limit, a million handovers above the greatest. The
-// hosts' clocks must agree to their participants' ages; a clock that is set back makes whoever
-// starts after it as old as it says, which matters only until discovery has found the owner.
+// Cyclone DDS has signed strengths: 2^31 is the limit, a million handovers above the greatest. All
+// take the clock of the state provider's stamps where their own disagrees with it (ClockOffset), so
+// that an owner that discovery has not found yet is not weaker than a newcomer with another clock.
+// A clock that is set back makes whoever starts after it as old as it says.
 inline constexpr Strength kGreatestFirstStrength = (1u << 31) - (1u << 20);
 Strength FirstStrength(std::chrono::system_clock::time_point started) noexcept;
+
+// What an own time is to be shifted by to be one of the provider's clock: nothing below a second,
+// which the order of starts does not need, and nothing for a stamp from before 2024, which is of no
+// epoch. stamp_ns: of its message that arrives now.
+std::chrono::nanoseconds ClockOffset(std::int64_t stamp_ns,
+                                     std::chrono::system_clock::time_point now) noexcept;
 
 // A participant announces itself twice in this time (leaseAnnouncement of qos_profiles.xml) and
 // answers newcomers at once: whoever writes is known by then, even if an announcement was lost.
 inline constexpr std::chrono::milliseconds kSettleTime(1000);
+
+// Silence after which others may have been forgotten: leaseDuration without leaseAnnouncement
+// there.
+inline constexpr std::chrono::milliseconds kForgottenAfter(2500);
 
 // Silence after which a reader hears the next writer. Shorter than 20 ms it changes between healthy
 // writers on a loaded machine (220 times in 20 s with 9 ms at 240 Hz), and a writer must be able to

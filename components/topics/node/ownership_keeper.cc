@@ -17,11 +17,11 @@ OwnershipKeeper::~OwnershipKeeper() { Close(); }
 
 void OwnershipKeeper::Add(WriterImpl* writer) {
   const Clock::time_point settles = Clock::now() + kSettleTime;
+  const auto started = std::chrono::system_clock::now();
   {
     const std::lock_guard<std::mutex> lock(writers_mutex_);
-    writers_.push_back({.writer = writer,
-                        .settles = settles,
-                        .first = FirstStrength(std::chrono::system_clock::now())});
+    writers_.push_back(
+        {.writer = writer, .settles = settles, .started = started, .first = FirstOf(started)});
   }
   {
     const std::lock_guard<std::mutex> lock(news_mutex_);
@@ -54,6 +54,22 @@ void OwnershipKeeper::Close() {
   wake_.notify_one();
   if (thread_.joinable()) thread_.join();
   operator_command_.reset();
+}
+
+void OwnershipKeeper::SetCycle(std::uint64_t session_id, int origin, std::int64_t stamp_ns) {
+  const bool is_new = session_id_.exchange(session_id, std::memory_order_relaxed) != session_id;
+  origin_.store(origin, std::memory_order_relaxed);
+  if (!is_new || origin == msg::ORIGIN_REPLAY) return;
+  const auto offset = ClockOffset(stamp_ns, std::chrono::system_clock::now());
+  if (clock_offset_.exchange(offset) == offset) return;
+  spdlog::warn("the clock of the state provider is {:.0f} s ahead of this host's",
+               std::chrono::duration<double>(offset).count());
+  Notify();
+}
+
+Strength OwnershipKeeper::FirstOf(std::chrono::system_clock::time_point started) const {
+  return FirstStrength(started + std::chrono::duration_cast<std::chrono::system_clock::duration>(
+                                     clock_offset_.load()));
 }
 
 void OwnershipKeeper::Notify() {
@@ -143,7 +159,10 @@ std::vector<Rival> OwnershipKeeper::RivalsOf(const WriterImpl& writer) const {
 void OwnershipKeeper::Settle(Clock::time_point now) {
   for (Entry& entry : writers_) {
     const std::vector<Rival> rivals = RivalsOf(*entry.writer);
-    if (entry.settled) {
+    const Strength before = std::exchange(entry.first, FirstOf(entry.started));
+    if (entry.settled && rivals.empty() && entry.writer->strength() == before) {
+      entry.writer->SetStrength(entry.first);
+    } else if (entry.settled) {
       entry.writer->SetStrength(
           StrengthWithoutTie(entry.writer->strength(), entry.writer->guid(), rivals));
     } else if (now >= entry.settles) {
@@ -166,17 +185,33 @@ void OwnershipKeeper::HandOver() {
   spdlog::info("handover: '{}' takes over", node_.options.name);
 }
 
-bool OwnershipKeeper::StepBelow() {
+bool OwnershipKeeper::StepBelow(std::chrono::nanoseconds silence) {
   const std::lock_guard<std::mutex> lock(writers_mutex_);
+  const Clock::time_point settles = Clock::now() + kSettleTime;
   bool stepped = false;
   for (Entry& entry : writers_) {
     const Strength before = entry.writer->strength();
-    if (entry.settled) {
+    if (silence >= kForgottenAfter) {
+      entry.settled = false;
+      entry.settles = settles;
+      entry.started = std::chrono::system_clock::now();
+      entry.writer->SetStrength(kJoiningStrength);
+    } else if (entry.settled) {
       entry.writer->SetStrength(StrengthBelow(before, RivalsOf(*entry.writer)));
     }
     stepped = stepped || entry.writer->strength() != before;
   }
-  if (stepped) spdlog::warn("silent for too long: another participant has taken over");
+  if (stepped && silence >= kForgottenAfter) {
+    spdlog::warn("silent for {:.1f} s: another participant may have taken over, joining anew",
+                 std::chrono::duration<double>(silence).count());
+    {
+      const std::lock_guard<std::mutex> news_lock(news_mutex_);
+      all_settle_ = settles;
+    }
+    Notify();
+  } else if (stepped) {
+    spdlog::warn("silent for too long: another participant has taken over");
+  }
   return stepped;
 }
 

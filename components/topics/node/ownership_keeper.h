@@ -40,15 +40,14 @@ class OwnershipKeeper {
   // Ends the thread; its reader keeps the node alive until then.
   void Close();
 
-  // This participant was silent for longer than the deadline: its writers go below all others
-  // before this returns. True: there are others.
-  bool StepBelow();
+  // This participant was silent for so long, longer than the deadline: its writers go below all
+  // others before this returns, or join anew where these may have been forgotten. True: one of
+  // both, and false where there are no others.
+  bool StepBelow(std::chrono::nanoseconds silence);
   // Of the running cycle: a handover counts for its session only, on live hardware from a live
   // operator only, and never from a recording.
-  void SetCycle(std::uint64_t session_id, int origin) {
-    session_id_.store(session_id, std::memory_order_relaxed);
-    origin_.store(origin, std::memory_order_relaxed);
-  }
+  // stamp_ns: by the provider's clock.
+  void SetCycle(std::uint64_t session_id, int origin, std::int64_t stamp_ns);
   void Notify();  // discovery found or lost something
 
  private:
@@ -56,13 +55,15 @@ class OwnershipKeeper {
   struct Entry {
     WriterImpl* writer;
     Clock::time_point settles;
-    Strength first;  // FirstStrength of its start
+    std::chrono::system_clock::time_point started;  // by the own clock
+    Strength first;                                 // FirstStrength of that, by the provider's
     bool settled = false;
   };
 
   void Start();
   void Run();
   void TakeOperatorCommand(RawSample&& sample);
+  Strength FirstOf(std::chrono::system_clock::time_point started) const;
   // With writers_mutex_ held:
   void Settle(Clock::time_point now);
   void HandOver();
@@ -72,8 +73,9 @@ class OwnershipKeeper {
   NodeImpl& node_;
   std::atomic<std::uint64_t> session_id_{0};
   std::atomic<int> origin_{0};
-  CommandGate gate_{"handover"};  // DDS thread
-  std::mutex writers_mutex_;      // held while strengths change, so never waited for by DDS threads
+  std::atomic<std::chrono::nanoseconds> clock_offset_{};  // of the provider
+  CommandGate gate_{"handover"};                          // DDS thread
+  std::mutex writers_mutex_;  // held while strengths change, so never waited for by DDS threads
   std::vector<Entry> writers_;
   std::mutex news_mutex_;
   std::condition_variable wake_;

@@ -437,7 +437,7 @@ struct TickLoop::Impl {
   // before it was stopped, and a deadline is too short since discovery is below the cycles.
   bool MustBeQuiet(const Tick& tick) {
     const auto now = Clock::now();
-    if (WasSilent(tick) && node.impl_->ownership.StepBelow()) {
+    if (WasSilent(tick) && node.impl_->ownership.StepBelow(now - last_cycle)) {
       quiet_until = now + internal::kSettleTime;
     }
     if (last_tick && tick.tick > *last_tick + 1) counts.missed_ticks += tick.tick - *last_tick - 1;
@@ -565,7 +565,8 @@ std::optional<Tick> TickLoop::Next() {
   if (replayed) tick.origin = msg::ORIGIN_REPLAY;
 
   if (tick.nominal_period_s > 0.0) self.node.SetPeriod(BoundedPeriod(tick.nominal_period_s));
-  self.node.impl_->ownership.SetCycle(tick.session_id, static_cast<int>(trigger.origin()));
+  self.node.impl_->ownership.SetCycle(tick.session_id, static_cast<int>(trigger.origin()),
+                                      tick.stamp_ns);
   if (tick.any_stale) ++self.counts.stale_inputs;
   ++self.counts.cycles;
   self.ended = tick.last;

@@ -5,11 +5,11 @@
 
 #include <chrono>
 #include <cstdio>
-#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
+#include "tests/support/faketime.h"
 #include "tests/support/program.h"
 #include "tests/support/sinew_program.h"
 #include "tests/support/skip.h"
@@ -31,15 +31,6 @@ std::vector<std::string> ParticipantOfTheOtherHost() {
           "208",
           "--interface",
           "wire0"};
-}
-
-// Shifts the wall clock of a process (Debian's libfaketime); empty: not installed.
-std::string FakeTimeLibrary() {
-  for (const auto& folder : std::filesystem::directory_iterator("/usr/lib")) {
-    const std::filesystem::path library = folder.path() / "faketime/libfaketimeMT.so.1";
-    if (std::filesystem::exists(library)) return library;
-  }
-  return {};
 }
 
 nlohmann::json FindingOf(const nlohmann::json& report, const std::string& check) {
@@ -83,8 +74,7 @@ TEST(DoctorBetweenHosts, FindsAParticipantOfAnotherHostWhoseClockAgrees) {
 TEST(DoctorBetweenHosts, NamesHostOffsetAndRemedyOfAWrongClock) {
   const TwoHosts hosts;
   SKIP_WITHOUT_KERNEL(hosts.why_not().empty(), hosts.why_not());
-  const std::string library = FakeTimeLibrary();
-  SKIP_WITHOUT_PACKAGE(!library.empty(), "libfaketime");
+  SKIP_WITHOUT_PACKAGE(!FakeTimeLibrary().empty(), "libfaketime");
   struct Case {
     const char* shift_s;
     const char* format;  // of the finding, with the offset in ms
@@ -94,10 +84,8 @@ TEST(DoctorBetweenHosts, NamesHostOffsetAndRemedyOfAWrongClock) {
   const std::string behind = host + "behind this one by at most %lf ms";
   for (const Case& shifted : {Case{"+2", ahead.c_str()}, Case{"-2", behind.c_str()}}) {
     std::vector<std::string> line = ParticipantOfTheOtherHost();
-    // Its timers are left alone.
-    line.insert(line.begin(),
-                {"env", "LD_PRELOAD=" + library, std::string("FAKETIME=") + shifted.shift_s,
-                 "FAKETIME_DONT_FAKE_MONOTONIC=1"});
+    const std::vector<std::string> clock = WithClock(shifted.shift_s);
+    line.insert(line.begin(), clock.begin(), clock.end());
     Program reference(hosts.On(0, line));
     const nlohmann::json report = AskDoctor(hosts, "warning");
     const nlohmann::json clocks = FindingOf(report, "clocks");

@@ -69,6 +69,19 @@ TEST(Graph, AParticipantThatHearsOfOtherOwnersIsAReaderOnlyWhenThereIsOne) {
   EXPECT_THAT(DotText(both, "t"), HasSubstr("\"t:joint_command\" -> \"p:standby\";"));
 }
 
+TEST(Graph, HostsAreNamedWhereThereAreSeveral) {
+  const std::vector<node::Endpoint> endpoints = {EndpointOf("surrogate", "1", "joint_state", true),
+                                                 EndpointOf("control", "2", "joint_state", false)};
+  const auto id = [&endpoints](std::size_t at) { return node::ParticipantId(endpoints[at]); };
+  const std::string two =
+      DotText(GraphOfDomain(endpoints, false, {{id(0), "robot"}, {id(1), "desk"}}), "t");
+  EXPECT_THAT(two, HasSubstr("\"p:control\" [label=\"control on desk\""));
+  EXPECT_THAT(two, HasSubstr("\"p:surrogate\" [label=\"surrogate on robot\""));
+  const std::string one =
+      DotText(GraphOfDomain(endpoints, false, {{id(0), "robot"}, {id(1), "robot"}}), "t");
+  EXPECT_THAT(one, HasSubstr("[label=\"control\""));
+}
+
 TEST(Graph, ATopicThatNobodyWritesIsGrey) {
   const Graph graph = GraphOfDomain({EndpointOf("surrogate", "1", "operator_command", false),
                                      EndpointOf("surrogate", "1", "joint_state", true)},

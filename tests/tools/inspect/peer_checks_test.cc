@@ -102,5 +102,15 @@ TEST(Clocks, OfThisHostNothingIsCompared) {
   EXPECT_EQ(findings[0].severity, Severity::kOk);
 }
 
+TEST(Losses, MoreThanTwoInAHundredAreAWarning) {
+  const auto findings = CheckLosses(
+      {{"joint_state of host 'robot'", 500, 10}, {"ticks", 500, 11}, {"nothing", 0, 0}});
+  ASSERT_THAT(findings, SizeIs(2)) << "what was not heard was not measured";
+  EXPECT_EQ(findings[0].severity, Severity::kOk);
+  EXPECT_EQ(findings[0].text, "joint_state of host 'robot': 10 of 500 lost (2.0 %)");
+  EXPECT_EQ(findings[1].severity, Severity::kWarning);
+  EXPECT_THAT(findings[1].text, HasSubstr("11 of 500 lost (2.2 %)"));
+}
+
 }  // namespace
 }  // namespace sinew::inspect

@@ -11,7 +11,7 @@ prefix=$(mktemp -d)
 trap 'rm -rf "$prefix"' EXIT
 "$cmake" -DCMAKE_INSTALL_PREFIX="$prefix" -P "$install_script" > /dev/null
 units=$prefix/lib/systemd/system
-for file in "$units"/{sinew.target,sinew@.service,sinew-logger.service,sinew-estop.service,sinew-can@.service} \
+for file in "$units"/{sinew.target,sinew@.service,sinew-logger.service,sinew-estop.service,sinew-can@.service,sinew-deployment@.service} \
             "$units"/sinew@can-bridge.service.d/order.conf "$prefix"/lib/sysusers.d/sinew.conf; do
   [ -s "$file" ] || fail "$file is not installed"
   if grep -n '@[A-Z_]*@' "$file"; then fail "$file: a name was not filled in"; fi
@@ -27,10 +27,11 @@ for name in $names sinew@logger.service sinew@estop.service; do
   program=${name#sinew@}
   printf '#!/bin/sh\n' > "$prefix/bin/sinew-${program%.service}"
 done
+printf '#!/bin/sh\n' > "$prefix/bin/sinew"
 chmod +x "$prefix"/bin/*
 export SYSTEMD_UNIT_PATH=$units:
 # Words about other units of this machine are not ours.
-said=$(systemd-analyze verify sinew.target sinew-logger.service sinew-estop.service sinew-can@can0.service $names 2>&1) || status=$?
+said=$(systemd-analyze verify sinew.target sinew-logger.service sinew-estop.service sinew-can@can0.service sinew-deployment@robot.service $names 2>&1) || status=$?
 echo "$said"
 [ "${status:-0}" -eq 0 ] || fail "systemd-analyze verify ends with $status"
 if grep -i sinew <<< "$said"; then fail "systemd-analyze verify has something to say"; fi
@@ -43,7 +44,7 @@ if systemd-analyze verify sinew@control.service > /dev/null 2>&1; then fail "a m
 grep -q '^RuntimeDirectory=sinew$' "$units/sinew@can-bridge.service.d/order.conf" || fail "no folder for the estop's socket"
 
 # --realtime asks for SCHED_FIFO and locked memory.
-for unit in sinew@.service sinew-logger.service sinew-estop.service; do
+for unit in sinew@.service sinew-logger.service sinew-estop.service sinew-deployment@.service; do
   grep -q '^LimitMEMLOCK=infinity$' "$units/$unit" || fail "$unit: memory cannot be locked"
   grep -q '^IPAddressDeny=any$' "$units/$unit" || fail "$unit: every network reaches it"
   allowed=$(sed -n 's/^IPAddressAllow=//p' "$units/$unit")

@@ -180,5 +180,20 @@ TEST(Ownership, TheOwnerChangesOnlyWhenItIsSilentOrByAHandover) {
   }
 }
 
+TEST(Ownership, AClockCountsAsTheProvidersOnceItIsASecondOff) {
+  const std::chrono::system_clock::time_point now(1'900'000'000s);
+  const auto stamp = [&](std::chrono::nanoseconds ahead) {
+    return std::chrono::nanoseconds(now.time_since_epoch() + ahead).count();
+  };
+  EXPECT_EQ(ClockOffset(stamp(-900ms), now), 0ns) << "a message's delay, and clocks that agree";
+  EXPECT_EQ(ClockOffset(stamp(1h), now), 1h);
+  EXPECT_EQ(ClockOffset(stamp(-1h), now), -1h);
+  EXPECT_EQ(ClockOffset(5'000'000'000, now), 0ns) << "simulated time";
+  // A newcomer whose clock is an hour behind is weaker than an owner of ten minutes all the same.
+  const auto owner = now - 10min, newcomer = now - 1h;
+  EXPECT_GT(FirstStrength(newcomer), FirstStrength(owner));
+  EXPECT_LT(FirstStrength(newcomer + ClockOffset(stamp(0s), newcomer)), FirstStrength(owner));
+}
+
 }  // namespace
 }  // namespace sinew::node::internal
