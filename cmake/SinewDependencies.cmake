@@ -1,11 +1,10 @@
 # Everything from outside, found once. A missing package is named with the command that installs it.
-set(SINEW_PACKAGES_FILE ${CMAKE_CURRENT_SOURCE_DIR}/tools/packages.txt)
 
 function(sinew_missing what debian)
   message(FATAL_ERROR "${what} not found. Install it with:\n"
     "  apt-get install ${debian}\n"
     "or everything at once with:\n"
-    "  apt-get install --no-install-recommends $(grep -hv '^#' tools/packages.txt tools/oracle_packages.txt)")
+    "  apt-get install --no-install-recommends $(grep -hv '^#' tools/{run,build,test,oracle}_packages.txt)")
 endfunction()
 
 macro(sinew_find name debian)
@@ -14,6 +13,7 @@ macro(sinew_find name debian)
     sinew_missing(${name} ${debian})
   endif()
   message(STATUS "Found ${name} ${${name}_VERSION}")
+  list(APPEND SINEW_DEBIAN_PACKAGES ${debian})
 endmacro()
 
 sinew_find(fastcdr libfastcdr-dev CONFIG)
@@ -45,6 +45,7 @@ macro(sinew_find_pc prefix module debian)
     sinew_missing(${module} ${debian})
   endif()
   message(STATUS "Found ${module} ${${prefix}_VERSION}")
+  list(APPEND SINEW_DEBIAN_PACKAGES ${debian})
 endmacro()
 sinew_find_pc(ZSTD libzstd libzstd-dev)
 sinew_find_pc(LZ4 liblz4 liblz4-dev)
@@ -66,6 +67,8 @@ find_package(Boost QUIET COMPONENTS filesystem)
 if(NOT Boost_FOUND)
   sinew_missing(Boost "libboost-dev libboost-filesystem-dev")
 endif()
+# What find_package(sinew) looks for: libsinew-dev depends on it.
+set(SINEW_DEV_PACKAGES ${SINEW_DEBIAN_PACKAGES} libboost-dev libboost-filesystem-dev pkg-config)
 
 if(SINEW_BUILD_TESTS)
   sinew_find(GTest libgtest-dev)

@@ -1,5 +1,6 @@
 # `cmake --install` and the exported package: find_package(sinew) gives sinew::node and every module.
 include(GNUInstallDirs)
+set(CMAKE_INSTALL_DEFAULT_COMPONENT_NAME dev)
 include(CMakePackageConfigHelpers)
 get_property(modules GLOBAL PROPERTY SINEW_MODULES)
 install(TARGETS ${modules} EXPORT sinewTargets
@@ -27,5 +28,5 @@ file(WRITE ${CMAKE_BINARY_DIR}/other_headers.txt "${other_headers}\n")
 install(DIRECTORY ${CMAKE_BINARY_DIR}/generated/sinew_idl DESTINATION include/sinew
   FILES_MATCHING PATTERN "*.h")
 install(DIRECTORY idl DESTINATION share/sinew FILES_MATCHING PATTERN "*.idl" PATTERN "README.md")
-install(DIRECTORY robots DESTINATION share/sinew)
-install(FILES tools/python/sinew_recording.py DESTINATION share/sinew/python)
+install(DIRECTORY robots DESTINATION share/sinew COMPONENT core USE_SOURCE_PERMISSIONS)
+install(FILES tools/python/sinew_recording.py DESTINATION share/sinew/python COMPONENT prefix)  # not in a package

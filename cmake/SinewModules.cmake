@@ -144,6 +144,7 @@ function(sinew_add_program target binary)
   install(TARGETS ${target} RUNTIME)
   sinew_list_headers(SINEW_OTHER_HEADERS ${ARG_SOURCES})
   set_property(GLOBAL APPEND PROPERTY SINEW_PROGRAMS ${target})
+  set_property(GLOBAL APPEND PROPERTY SINEW_PROGRAMS_${CMAKE_INSTALL_DEFAULT_COMPONENT_NAME} ${target})
   add_dependencies(programs ${target})
 endfunction()
 

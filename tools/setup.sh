@@ -1,5 +1,5 @@
 # shellcheck shell=bash
-# Set-up that tools/demo, tools/test and tools/lint share: packages, versions, configure, build. Sourced, not run;
+# Set-up that tools/demo, tools/test, tools/lint and tools/package share: packages, versions, configure, build. Sourced, not run;
 # `root` is the folder of the project.
 : "${root:?}"
 
@@ -13,7 +13,7 @@ timed() {
   echo "$name $((SECONDS - began))" >> "${SINEW_TIMES:-/dev/null}"
 }
 
-package_lists=("$root/tools/packages.txt")
+package_lists=("$root"/tools/{run,build}_packages.txt)
 # The preset that is to be built may need another compiler: for_preset PRESET, before install_packages.
 for_preset() { [ "$1" = release ] || package_lists+=("$root/tools/sanitizer_packages.txt"); }
 packages() { sed 's/#.*//' "${package_lists[@]}" | tr -s '[:space:]' '\n' | sed '/^$/d'; }
@@ -59,7 +59,8 @@ show_versions() {
   dpkg-query -W -f='  ${Package} ${Version}\n' $(packages)
 }
 
-# configure PRESET [CMAKE-OPTION...]
+# configure PRESET [CMAKE-OPTION...]: for programs alone `$(without_tests PRESET)`. A tree that has tests keeps them.
+without_tests() { [ -e "$root/build/$1/CMakeCache.txt" ] || echo -DSINEW_BUILD_TESTS=OFF; }
 configure() {
   local preset=$1
   shift

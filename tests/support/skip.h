@@ -1,7 +1,7 @@
 // Why a test cannot run on this machine: its reason begins with what is missing.
 //
 // tools/test_summary.py reads the first word. Under SINEW_CI a skip is a failure, unless the kernel
-// lacks something: packages are in tools/packages.txt and measured data lies beside the project, a
+// lacks something: packages are in the lists of tools/ and measured data lies beside the project, a
 // kernel is what it is. Macros, because GTEST_SKIP returns from the function it stands in.
 #pragma once
 

@@ -417,8 +417,10 @@ TEST(Tree, EveryLibraryIsIncludedByATest) {
 
 std::set<std::string> Packages() {
   std::set<std::string> packages;
-  const std::string lists =
-      Read(kRoot / "tools/packages.txt") + Read(kRoot / "tools/oracle_packages.txt");
+  std::string lists;
+  for (const char* list : {"run", "build", "test", "oracle"}) {
+    lists += Read(kRoot / "tools" / (std::string(list) + "_packages.txt"));
+  }
   for (const std::string& line : Lines(lists)) {
     std::istringstream words(line.substr(0, line.find('#')));
     for (std::string word; words >> word;) packages.insert(word);
@@ -465,6 +467,7 @@ TEST(Tree, PackagesAreExactlyWhatTheBuildAndTheProgramsNeed) {
                                      "fonts-dejavu-core",
                                      "cyclonedds-tools",
                                      "qemu-system-x86",
+                                     "mandoc",
                                      "busybox-static",
                                      "cpio",
                                      "can-utils",
@@ -589,8 +592,8 @@ TEST(Tree, EveryDecisionIsListedAndHasItsFourParts) {
 }
 
 TEST(Tree, TheCommandsAreThereAndCanBeRun) {
-  for (const char* name :
-       {"tools/demo", "tools/test", ".ci/run", ".ci/night", ".ci/bare_root", ".ci/checks"}) {
+  for (const char* name : {"tools/demo", "tools/test", "tools/package", ".ci/run", ".ci/night",
+                           ".ci/bare_root", ".ci/checks"}) {
     ASSERT_TRUE(fs::exists(kRoot / name)) << name;
     const auto permissions = fs::status(kRoot / name).permissions();
     EXPECT_NE(permissions & fs::perms::owner_exec, fs::perms::none) << name;

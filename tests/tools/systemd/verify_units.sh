@@ -12,7 +12,8 @@ trap 'rm -rf "$prefix"' EXIT
 "$cmake" -DCMAKE_INSTALL_PREFIX="$prefix" -P "$install_script" > /dev/null
 units=$prefix/lib/systemd/system
 for file in "$units"/{sinew.target,sinew@.service,sinew-logger.service,sinew-estop.service,sinew-can@.service,sinew-deployment@.service} \
-            "$units"/sinew@can-bridge.service.d/order.conf "$prefix"/lib/sysusers.d/sinew.conf; do
+            "$units"/sinew@can-bridge.service.d/order.conf "$prefix"/lib/{sysusers.d,tmpfiles.d}/sinew.conf \
+            "$prefix"/lib/udev/rules.d/85-sinew-can.rules; do
   [ -s "$file" ] || fail "$file is not installed"
   if grep -n '@[A-Z_]*@' "$file"; then fail "$file: a name was not filled in"; fi
 done
