@@ -179,7 +179,7 @@ Credential MakeAuthority(Authority authority, const std::string& deployment,
   const Draft draft = NewDraft(validity);
   X509* certificate = draft.certificate.get();
   X509_NAME* name = X509_get_subject_name(certificate);
-  const bool identities = authority == Authority::kIdentities;
+  const bool identities = authority == Authority::kForIdentities;
   AddName(name, "O", deployment);
   AddName(name, "CN", identities ? "identities" : "permissions");
   Demand(X509_set_issuer_name(certificate, name), "an authority");
@@ -207,16 +207,15 @@ Credential Issue(const Credential& authority, const Subject& subject, const Vali
   return Finished(draft, KeyOf(authority.key).get());
 }
 
-CertificateFacts FactsOf(const std::string& text) {
-  const Certificate certificate = CertificateOf(text);
+CertificateFacts FactsOf(const std::string& certificate) {
+  const Certificate parsed = CertificateOf(certificate);
   const Bio name = Writing();
   // As Fast DDS compares it with the grant's.
-  Demand(X509_NAME_print_ex(name.get(), X509_get_subject_name(certificate.get()), 0,
+  Demand(X509_NAME_print_ex(name.get(), X509_get_subject_name(parsed.get()), 0,
                             XN_FLAG_RFC2253 & ~ASN1_STRFLGS_ESC_MSB),
          "the name of a certificate");
   return {TextIn(name),
-          {TimeOf(X509_get0_notBefore(certificate.get())),
-           TimeOf(X509_get0_notAfter(certificate.get()))}};
+          {TimeOf(X509_get0_notBefore(parsed.get())), TimeOf(X509_get0_notAfter(parsed.get()))}};
 }
 
 bool Matches(const Credential& credential) {
@@ -226,11 +225,11 @@ bool Matches(const Credential& credential) {
   return matches;
 }
 
-std::string FaultOfChain(const std::string& text, const std::string& authority) {
-  const Certificate certificate = CertificateOf(text);
+std::string FaultOfChain(const std::string& certificate, const std::string& authority) {
+  const Certificate parsed = CertificateOf(certificate);
   const Store store = StoreOf(authority);
   const StoreContext context = Made(StoreContext(X509_STORE_CTX_new()), "a chain");
-  Demand(X509_STORE_CTX_init(context.get(), store.get(), certificate.get(), nullptr), "a chain");
+  Demand(X509_STORE_CTX_init(context.get(), store.get(), parsed.get(), nullptr), "a chain");
   const bool good = X509_verify_cert(context.get()) == 1;
   ERR_clear_error();
   if (good) return {};

@@ -31,7 +31,7 @@ struct Validity {
   Seconds not_before, not_after;
 };
 
-enum class Authority { kIdentities, kPermissions };
+enum class Authority { kForIdentities, kForPermissions };
 // A new self-signed one.
 Credential MakeAuthority(Authority authority, const std::string& deployment,
                          const Validity& validity);

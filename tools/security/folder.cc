@@ -365,8 +365,8 @@ void Create(const fs::path& folder, const Settings& settings, const std::vector<
   WholeFolder whole(folder);
   const Validity validity = From(Now(), length.authority);
   const Authorities authorities{
-      MakeAuthority(Authority::kIdentities, Plain(settings.deployment), validity),
-      MakeAuthority(Authority::kPermissions, Plain(settings.deployment), validity)};
+      MakeAuthority(Authority::kForIdentities, Plain(settings.deployment), validity),
+      MakeAuthority(Authority::kForPermissions, Plain(settings.deployment), validity)};
   const fs::path authority = whole.part() / kAuthority;
   fs::create_directory(authority);
   config::WriteFileAtomically(authority / kIdentityAuthority, authorities.identities.certificate);

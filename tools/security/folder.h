@@ -36,10 +36,10 @@ struct Days {
 
 // Both authorities and a certificate for each member.
 void Create(const std::filesystem::path& folder, const Settings& settings,
-            const std::vector<Member>& members, Days days = {});
+            const std::vector<Member>& members, Days length = {});
 
 // A further one, by the authorities of the folder.
-void Add(const std::filesystem::path& folder, const Member& member, Days days = {});
+void Add(const std::filesystem::path& folder, const Member& member, Days length = {});
 
 struct Report {
   int certificates = 0;

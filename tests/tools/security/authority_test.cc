@@ -24,14 +24,14 @@ Validity AYear() { return {Now() - days(1), Now() + days(365)}; }
 
 class AuthorityTest : public ::testing::Test {
  protected:
-  const Credential identities_ = MakeAuthority(Authority::kIdentities, "rig", AYear());
-  const Credential permissions_ = MakeAuthority(Authority::kPermissions, "rig", AYear());
+  const Credential identities_ = MakeAuthority(Authority::kForIdentities, "rig", AYear());
+  const Credential permissions_ = MakeAuthority(Authority::kForPermissions, "rig", AYear());
   const Credential own_ = Issue(identities_, {"esn", "robot", "rig"}, AYear());
 };
 
 TEST_F(AuthorityTest, ACertificateIsOfItsAuthorityAloneAndHasItsSubject) {
   EXPECT_EQ(FaultOfChain(own_.certificate, identities_.certificate), "");
-  const Credential other = MakeAuthority(Authority::kIdentities, "rig", AYear());
+  const Credential other = MakeAuthority(Authority::kForIdentities, "rig", AYear());
   EXPECT_NE(FaultOfChain(own_.certificate, other.certificate), "");
   EXPECT_NE(FaultOfChain(own_.certificate, permissions_.certificate), "");
   EXPECT_THAT(FactsOf(own_.certificate).subject,

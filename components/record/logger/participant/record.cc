@@ -116,6 +116,17 @@ struct OpenRecording {
   Recorder recorder;
 };
 
+// Nothing where DDS security refuses it and nobody waits for it: an observer records in real time.
+std::optional<node::Writer<msg::RecordingProgress>> ProgressWriter(node::Node& node) {
+  try {
+    return node.MakeWriter(node::kRecordingProgress);
+  } catch (const node::DdsError& refused) {
+    if (node.options().mode == node::TimeMode::kLockstep) throw;
+    spdlog::info("recorded without recording_progress: {}", refused.what());
+    return std::nullopt;
+  }
+}
+
 // One recording: topics, recorder, progress, end.
 class Session {
  public:
@@ -124,7 +135,7 @@ class Session {
         options_(options),
         lockstep_(node.options().mode == node::TimeMode::kLockstep),
         topics_(ChooseTopics(options.topics, options.exclude)),
-        progress_writer_(node.MakeWriter(node::kRecordingProgress)) {
+        progress_writer_(ProgressWriter(node)) {
     if (options.last_s > 0.0) dump_signal_.emplace();
     std::vector<recording::TopicSchema> schemas;
     for (const node::TopicInfo* topic : topics_) {
@@ -267,6 +278,7 @@ class Session {
   }
 
   void PublishTick(std::uint64_t tick) {
+    if (!progress_writer_) return;
     msg::RecordingProgress message;
     message.header().session_id(state_.session->session_id);
     message.header().tick(tick);
@@ -275,7 +287,7 @@ class Session {
     message.recorder(node_.options().name.substr(0, 32));
     message.messages(state_.messages);
     message.bytes(state_.bytes);
-    if (progress_writer_.Write(message) != node::WriteStatus::kOk && !reported_unsent_) {
+    if (progress_writer_->Write(message) != node::WriteStatus::kOk && !reported_unsent_) {
       reported_unsent_ = true;
       spdlog::warn("recording_progress could not be sent");
     }
@@ -337,7 +349,7 @@ class Session {
   const RecordOptions& options_;
   const bool lockstep_;
   std::vector<const node::TopicInfo*> topics_;
-  node::Writer<msg::RecordingProgress> progress_writer_;
+  std::optional<node::Writer<msg::RecordingProgress>> progress_writer_;
   std::optional<SnapshotRequests> snapshots_;  // of numbered files
   std::optional<DumpSignal> dump_signal_;      // of a ring
   std::shared_ptr<OpenRecording> open_;
