@@ -162,8 +162,7 @@ CabledHosts::CabledHosts(std::size_t count, std::uint32_t seed) {
   for (std::size_t host = 0; host < count; ++host) {
     TestHost& here = *hosts_[host];
     here.Set({"sh", "-c", "echo 1 > /proc/sys/net/ipv6/conf/wire0/disable_ipv6"});
-    here.Set(
-        {"ip", "address", "add", "10.54.1." + std::to_string(host + 1) + "/24", "dev", kInterface});
+    here.Set({"ip", "address", "add", Address(host) + "/24", "dev", kInterface});
     here.Set({"ip", "link", "set", kInterface, "up"});
   }
 }

@@ -109,6 +109,7 @@ class CabledHosts {
   Cable& cable() { return *cable_; }
   pid_t pid(std::size_t host) const { return hosts_[host]->pid(); }
   static std::string Name(std::size_t host) { return "host" + std::to_string(host); }
+  static std::string Address(std::size_t host) { return "10.54.1." + std::to_string(host + 1); }
   std::vector<std::string> On(std::size_t host, const std::vector<std::string>& line) const {
     return hosts_[host]->Line(line);
   }

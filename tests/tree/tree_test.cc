@@ -458,6 +458,7 @@ TEST(Tree, PackagesAreExactlyWhatTheBuildAndTheProgramsNeed) {
                                      "procps",
                                      "systemd",
                                      "iproute2",
+                                     "fastdds-tools",
                                      "libfaketime",
                                      "zsh",
                                      "openssl",

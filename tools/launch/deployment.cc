@@ -1,5 +1,7 @@
 #include "tools/launch/deployment.h"
 
+#include <arpa/inet.h>
+
 #include <algorithm>
 #include <charconv>
 #include <optional>
@@ -52,6 +54,27 @@ std::vector<std::string> ReadInterfaces(const config::Section& network, const ch
                           "', expected names of this machine's: " + InterfaceNames());
   }
   return names;
+}
+
+// ADDRESS:PORT of a discovery server of Fast DDS.
+std::string ReadDiscoveryServer(const config::Section& network) {
+  const char* key = "discovery_server";
+  std::string text = network.TextOr(key, "");
+  if (text.empty()) return text;
+  const std::size_t colon = text.find(':');
+  in_addr address{};
+  int port = 0;
+  const char* end = text.data() + text.size();
+  const bool good =
+      colon != std::string::npos &&
+      ::inet_pton(AF_INET, text.substr(0, colon).c_str(), &address) == 1 &&
+      std::from_chars(text.data() + colon + 1, end, port) == std::from_chars_result{end, {}} &&
+      port > 0 && port < 65536;
+  if (!good) network.Fail(key, "'" + text + "', expected an IPv4 address and a port, ADDRESS:PORT");
+  if (network.Has("key")) {
+    network.Fail(key, "its datagrams carry no authentication tag, expected no 'key' beside it");
+  }
+  return text;
 }
 
 // The host that the process names, by default the first one: the file means the same everywhere.
@@ -445,6 +468,7 @@ Deployment LoadDeployment(const fs::path& file, const Overrides& overrides,
   if (network.Has("key")) deployment.key = fs::absolute(network.ExistingPath("key"));
   deployment.open = ReadInterfaces(network, "open");
   deployment.isolated = network.BoolOr("isolate", false);
+  deployment.discovery_server = ReadDiscoveryServer(network);
   const std::vector<std::string> moved = ReadInterfaces(network, "move");
   deployment.lockstep = root.ChoiceOr("mode", "realtime", {"realtime", "lockstep"}) == "lockstep";
   deployment.duration_s = root.NumberOr("duration_s", 0.0, config::kNotNegative);

@@ -156,6 +156,10 @@ void RunLaunch(LaunchOptions options) {
   for (const launch::Host& host : deployment.hosts) {
     if (host.name == deployment.host) launch::RequireUser(host, deployment.file);
   }
+  // Fast DDS' own variable, for this process and those that it starts.
+  if (!deployment.discovery_server.empty()) {
+    ::setenv("ROS_DISCOVERY_SERVER", deployment.discovery_server.c_str(), 1);
+  }
   if (!LookFirst(deployment)) return;
   std::vector<std::string> names;
   for (const launch::Process& process : deployment.processes) names.push_back(process.name);

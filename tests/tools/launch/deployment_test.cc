@@ -195,6 +195,22 @@ TEST_F(DeploymentTest, NamedInterfacesAreHandedToEveryProgram) {
   }
 }
 
+TEST_F(DeploymentTest, ADiscoveryServerIsAnAddressAndAPort) {
+  const auto with = [](const std::string& network) {
+    return Changed("domain_id: 7\n", "domain_id: 7\nnetwork: {" + network + "}\n");
+  };
+  EXPECT_EQ(Load(with("discovery_server: '10.0.0.1:11811'")).discovery_server, "10.0.0.1:11811");
+  for (const char* wrong : {"10.0.0.1", "robot:11811", "10.0.0.1:", "10.0.0.1:0", "10.0.0.1:70000",
+                            "10.0.0.1:11811x"}) {
+    EXPECT_THAT(ErrorOf(with("discovery_server: '" + std::string(wrong) + "'")),
+                HasSubstr("'network.discovery_server': '" + std::string(wrong) +
+                          "', expected an IPv4 address and a port"));
+  }
+  folder_.Write("robot.key", "");
+  EXPECT_THAT(ErrorOf(with("discovery_server: '10.0.0.1:11811', key: robot.key")),
+              HasSubstr("expected no 'key' beside it"));
+}
+
 TEST_F(DeploymentTest, QosProfilesAreHandedToEveryProgram) {
   const Deployment named =
       Load(Changed("domain_id: 7\n", "domain_id: 7\nnetwork: {qos: plant.yaml}\n"));
