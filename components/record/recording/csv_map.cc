@@ -85,7 +85,7 @@ double Cell(const CsvTable& table, const ColumnMap& map, const std::vector<std::
   return cell;
 }
 
-// Of every row, from its columns of time.
+// Every row's time, from its columns of time.
 Eigen::VectorXd Stamps(const CsvTable& table, const ColumnMap& map,
                        const std::vector<std::size_t>& columns) {
   const bool is_written = table.has_dates || table.has_times_of_day;
