@@ -370,10 +370,10 @@ TEST(RecordedView, ShowsAllTicksOfAClockThatWasSetBackInTheirOrder) {
   ASSERT_EQ(view.sessions().size(), 1u);
   EXPECT_EQ(view.sessions()[0].ticks, 20u);
   EXPECT_EQ(view.sessions()[0].end_ns, kFirstStart_ns + 19 * kTick_ns);
-  const std::int64_t from_ns = kFirstStart_ns + 5 * kTick_ns, to_ns = kFirstStart_ns + 14 * kTick_ns;
+  const std::int64_t from_ns = kFirstStart_ns + 5 * kTick_ns,
+                     to_ns = kFirstStart_ns + 14 * kTick_ns;
   std::int64_t expected_ns = from_ns;
-  for (const SpanMessage& message :
-       Unpacked(view.Messages({1, {"joint_state"}, from_ns, to_ns}))) {
+  for (const SpanMessage& message : Unpacked(view.Messages({1, {"joint_state"}, from_ns, to_ns}))) {
     EXPECT_EQ(message.stamp_ns, expected_ns);
     expected_ns += kTick_ns;
   }
