@@ -78,9 +78,7 @@ void SetInertial(const urdf::Inertial& in, Inertial* body) {
   body->inertia_kg_m2 = frame.linear() * inertia * frame.linear().transpose();
 }
 
-// body: a Body or a Base.
-template <typename Inertial>
-void ReadInertial(const urdf::Link& link, const Where& where, Inertial* body) {
+void ReadInertial(const urdf::Link& link, const Where& where, Body* body) {
   if (!link.inertial) return;
   const urdf::Inertial& in = *link.inertial;
   const double all[] = {in.mass, in.ixx, in.ixy, in.ixz, in.iyy, in.iyz, in.izz};
@@ -243,7 +241,7 @@ Chain ParseUrdf(const std::string& xml, const std::string& file_name) {
   Chain chain;
   chain.name = model->getName();
   chain.base.link_name = model->getRoot()->name;
-  ReadInertial(*model->getRoot(), where, &chain.base);
+  if (model->getRoot()->inertial) SetInertial(*model->getRoot()->inertial, &chain.base);
   const std::function<void(const urdf::LinkConstSharedPtr&, int)> add =
       [&](const urdf::LinkConstSharedPtr& link, int parent) {
         std::vector<urdf::LinkSharedPtr> children = link->child_links;

@@ -118,7 +118,7 @@ TEST(ControlFile, ReportsAnErrorInOneLine) {
   } kCases[] = {
       {"joints: []\n", "expected 1 to 12"},
       {"joint_names: [left, right]\njoints:\n  - {strategy: position}\n",
-       "joint_names has 2 entries, expected as many as joints, 1"},
+       "'joint_names': has 2 entries, expected as many as joints, 1"},
       {"joints: [{strategy: magic}]\n", "strategy"},
       {"joints: [{strategy: pid, " + drive + "}]\n", "pid"},
       {"joints: [{strategy: pid, pid: {proportional_Nm_rad: 1}}]\n", "drive"},
