@@ -58,11 +58,11 @@ class Lines {
       breaks_ = 0;
       auto end = rest_.find(end_);
       std::string_view candidate = rest_.substr(0, end);
-      bool is_open = IsOpen(candidate);
-      while (is_open && end != std::string_view::npos && !IsComment(candidate)) {
+      is_open_ = !IsComment(candidate) && IsOpen(candidate);
+      while (is_open_ && end != std::string_view::npos) {
         const auto from = end + 1;
         end = rest_.find(end_, from);
-        is_open = IsOpen(rest_.substr(from, end - from)) != is_open;
+        is_open_ = IsOpen(rest_.substr(from, end - from)) != is_open_;
         candidate = rest_.substr(0, end);
         ++breaks_;
       }
@@ -80,7 +80,8 @@ class Lines {
     }
     return false;
   }
-  int number() const { return number_; }  // of the first of this line's
+  int number() const { return number_; }     // of the first of this line's
+  bool is_open() const { return is_open_; }  // the text has ended inside of a quoted cell
 
   static bool IsComment(std::string_view line) { return Trim(line).starts_with('#'); }
 
@@ -92,6 +93,7 @@ class Lines {
 
   std::string_view rest_;
   char end_;
+  bool is_open_ = false;
   int number_ = 0, breaks_ = 0;
 };
 
@@ -323,10 +325,13 @@ CsvTable ReadCsv(std::string_view text, const std::string& name,
   Eigen::Index rows = 0;
   while (lines.NextRow(&line)) {
     if (rows++ < skipped) continue;
+    if (lines.is_open()) {
+      throw std::invalid_argument(At(name, lines.number()) + "a quoted cell does not end");
+    }
     try {
       Split(line, begin.delimiter, &unquoted, &cells);
-    } catch (const boost::escaped_list_error&) {
-      throw std::invalid_argument(At(name, lines.number()) + "a quoted cell does not end");
+    } catch (const boost::escaped_list_error& error) {
+      throw std::invalid_argument(At(name, lines.number()) + error.what());
     }
     if (cells.size() == header.size() + 1 && cells.back().empty()) cells.pop_back();
     if (cells.size() != header.size()) {
