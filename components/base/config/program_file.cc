@@ -5,11 +5,11 @@
 namespace sinew::config {
 
 const std::filesystem::path& ProgramFile() {
-  static const std::filesystem::path file = [] {
+  static const std::filesystem::path kFile = [] {
     std::error_code unknown;
     return std::filesystem::read_symlink("/proc/self/exe", unknown);
   }();
-  return file;
+  return kFile;
 }
 
 }  // namespace sinew::config

@@ -3,9 +3,11 @@
 #include <iconv.h>
 
 #include <algorithm>
+#include <bit>
 #include <boost/tokenizer.hpp>
 #include <charconv>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <optional>
 #include <stdexcept>
@@ -32,7 +34,7 @@ std::string_view AsUtf8(std::string_view text, const std::string& name, std::str
   if (text.starts_with("\xEF\xBB\xBF")) return text.substr(3);
   if (!text.starts_with("\xFF\xFE") && !text.starts_with("\xFE\xFF")) return text;
   const iconv_t converter = ::iconv_open("UTF-8", "UTF-16");  // by the byte order mark
-  if (converter == reinterpret_cast<iconv_t>(-1)) throw std::invalid_argument(name + ": UTF-16");
+  if (std::bit_cast<std::intptr_t>(converter) == -1) throw std::invalid_argument(name + ": UTF-16");
   decoded->resize(2 * text.size());  // two bytes become three at most
   std::string bytes(text);
   char *in = bytes.data(), *out = decoded->data();
@@ -201,7 +203,7 @@ Begin FindBegin(std::string_view text, const std::string& name,
   while (search.number() < kHeaderWithin && search.Next(&line)) {
     const bool is_comment = Lines::IsComment(line);
     if (is_comment && columns.empty()) continue;
-    const Begin found{search, delimiter, NamesIn(line, delimiter), search.number()};
+    Begin found{search, delimiter, NamesIn(line, delimiter), search.number()};
     if (HasAll(found.header, columns)) return found;
     if (!is_comment && !first) first = found;
   }

@@ -151,7 +151,9 @@ void CommandReaders::TakeDisturbances() {
 
 std::optional<int> CommandReaders::OtherJoint() {
   const std::uint64_t changes = node_.EndpointChanges();
-  if (compared_ == joint_command_.writer() && compared_at_ == changes) return other_joint_;
+  const bool is_known = compared_ == joint_command_.writer();
+  if (is_known && compared_at_ == changes) return other_joint_;
+  const bool was_logged = is_known && other_joint_;
   compared_ = joint_command_.writer();
   compared_at_ = changes;
   other_joint_.reset();
@@ -160,9 +162,11 @@ std::optional<int> CommandReaders::OtherJoint() {
     const std::string& commanded = names[static_cast<std::size_t>(j)];
     const std::string own = plant_.joint_name(j);
     if (own.empty() || commanded.empty() || own == commanded) continue;
-    spdlog::error("joint {} is '{}', and '{}' in the configuration of its controller", j, own,
-                  commanded);
     other_joint_ = j;
+    if (!was_logged) {
+      spdlog::error("joint {} is '{}', and '{}' in the configuration of its controller", j, own,
+                    commanded);
+    }
     break;
   }
   return other_joint_;
