@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <map>
+#include <optional>
 #include <set>
 #include <sstream>
 #include <vector>
@@ -37,7 +38,7 @@ class DocumentCheck : public YAML::EventHandler {
     }
     Add(mark, found->second.nodes);
     Reach(mark, open_.size() + found->second.levels);
-    Next(mark, "");
+    Next(mark, std::nullopt);
   }
   void OnScalar(const YAML::Mark& mark, const std::string&, YAML::anchor_t anchor,
                 const std::string& value) override {
@@ -85,13 +86,13 @@ class DocumentCheck : public YAML::EventHandler {
     }
     return path;
   }
-  // A value has ended, or a key of the innermost map.
-  void Next(const YAML::Mark& mark, const std::string& text) {
+  // A value has ended, or a key of the innermost map, with its text where it is a word.
+  void Next(const YAML::Mark& mark, const std::optional<std::string>& text) {
     if (open_.empty()) return;
     Open& open = open_.back();
     if (open.is_map && !open.at_value) {
-      open.key = text;
-      if (!open.keys.insert(text).second) Fail(mark, "key '" + Path() + "': given twice");
+      open.key = text.value_or("");
+      if (text && !open.keys.insert(*text).second) Fail(mark, "key '" + Path() + "': given twice");
     } else {
       ++open.entries;
     }
@@ -117,9 +118,6 @@ class DocumentCheck : public YAML::EventHandler {
     if (!open_.empty()) open_.back().deepest = std::max(open_.back().deepest, level);
   }
   void Begin(const YAML::Mark& mark, YAML::anchor_t anchor, bool is_map) {
-    if (!open_.empty() && open_.back().is_map && !open_.back().at_value) {
-      Fail(mark, "a key is a list or a mapping, expected a word");
-    }
     open_.push_back({anchor, nodes_, is_map});
     Add(mark, 1);
     Reach(mark, open_.size());
@@ -128,7 +126,7 @@ class DocumentCheck : public YAML::EventHandler {
     const Open ended = open_.back();
     open_.pop_back();
     if (!open_.empty()) open_.back().deepest = std::max(open_.back().deepest, ended.deepest);
-    Next({}, "");
+    Next({}, std::nullopt);
     if (ended.anchor == YAML::NullAnchor) return;
     sizes_[ended.anchor] = {nodes_ - ended.before, ended.deepest - open_.size()};
   }
