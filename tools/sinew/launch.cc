@@ -118,7 +118,7 @@ void PrintResult(const launch::Deployment& deployment, const launch::Result& res
 // Throws UsageError: there is one. False: a stop was asked for.
 bool LookFirst(const launch::Deployment& deployment) {
   // Newcomers are answered at once; the provider itself looks for longer.
-  constexpr std::chrono::milliseconds kLook{300};
+  constexpr std::chrono::milliseconds kLook{600};
   if (deployment.provider.empty() || deployment.isolated || deployment.provider_elsewhere()) {
     return true;
   }

@@ -64,12 +64,17 @@ const char* StateName(msg::RobotState state) {
   return "unknown";
 }
 
-// What the provider says of a refused arm in its status; empty: nothing.
-std::string RefusalIn(node::Reader<msg::ComponentStatus>& statuses) {
+// What the provider says in its status of an arm that was sent at this time of its session; empty:
+// nothing. Its status is latched, and may still be of an earlier one.
+std::string RefusalIn(node::Reader<msg::ComponentStatus>& statuses, const msg::Header& sent) {
   std::string refusal;
   while (const auto status = statuses.TakeNext()) {
     const std::string message = status->message().to_string();
-    if (message.starts_with("arm refused")) refusal = status->name().to_string() + ": " + message;
+    const bool is_of_this = status->header().session_id() == sent.session_id() &&
+                            status->header().tick() >= sent.tick();
+    if (is_of_this && message.starts_with("arm refused")) {
+      refusal = status->name().to_string() + ": " + message;
+    }
   }
   return refusal;
 }
@@ -156,13 +161,14 @@ void RunOperator(const Request& request, OperatorOptions options) {
   if (request.action == msg::OPERATOR_ARM)
     statuses.emplace(node.MakeReader(node::kComponentStatus));
   std::string refusal;
+  msg::Header first_sent;  // what an arm is sent with
 
   const auto end = Clock::now() + std::chrono::duration<double>(options.timeout_s);
   auto next_send = Clock::now();
   std::optional<msg::JointState> state;
   bool sent = false, done = false;
   while (!done && refusal.empty() && Clock::now() < end) {
-    if (sent && statuses) refusal = RefusalIn(*statuses);
+    if (sent && statuses) refusal = RefusalIn(*statuses, first_sent);
     if (auto newest = states.WaitNext(milliseconds(20))) state = std::move(newest);
     if (state && sent) {
       done = std::find(request.reached.begin(), request.reached.end(), state->robot_state()) !=
@@ -172,6 +178,7 @@ void RunOperator(const Request& request, OperatorOptions options) {
     if (done || !may_send || Clock::now() < next_send) continue;
     msg::OperatorCommand command;
     if (state) command.header(state->header());
+    if (!sent) first_sent = command.header();
     command.action(request.action);
     command.reason(options.reason.substr(0, 63));
     sent = commands.Write(command) == node::WriteStatus::kOk || sent;
