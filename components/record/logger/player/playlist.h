@@ -108,7 +108,7 @@ class Playlist {
   void ReadPlaces(std::int64_t* last_ns);
   // Before a time of the recording, the oldest first.
   std::deque<Latched> NewestBefore(std::int64_t time_ns) const;
-  void Fill(recording::ChannelId channel, std::uint32_t sequence, std::int64_t log_time_ns,
+  void Fill(recording::ChannelId id, std::uint32_t sequence, std::int64_t log_time_ns,
             PlayedMessage* message) const;
   // Of the last joint_state; there may be several messages at one time.
   struct Place {
