@@ -37,16 +37,20 @@ std::string ColumnName(const std::string& pattern, int joint) {
   return std::string(pattern).replace(at, kJointMark.size(), std::to_string(joint + 1));
 }
 
+// The columns that it is made of, in the order in which Cell takes them.
+std::vector<std::string> ColumnsOf(const ColumnMap& map, int joint) {
+  std::vector<std::string> columns;
+  for (const Summand& summand : map.sum) columns.push_back(ColumnName(summand.column, joint));
+  for (const std::string& factor : map.times) columns.push_back(ColumnName(factor, joint));
+  return columns;
+}
+
 // Where each column of the mapping is in the table; `names` grows by those that are new.
 std::vector<std::size_t> FindColumns(const ColumnMap& map, int joint,
                                      const std::vector<std::string>& header,
                                      const std::string& file, std::vector<std::string>* names) {
-  std::vector<std::string> wanted;
-  for (const Summand& summand : map.sum) wanted.push_back(summand.column);
-  wanted.insert(wanted.end(), map.times.begin(), map.times.end());
   std::vector<std::size_t> at;
-  for (const std::string& pattern : wanted) {
-    const std::string column = ColumnName(pattern, joint);
+  for (const std::string& column : ColumnsOf(map, joint)) {
     if (std::find(header.begin(), header.end(), column) == header.end()) {
       std::string list;
       for (const std::string& candidate : header) list += (list.empty() ? "" : ", ") + candidate;
@@ -60,14 +64,13 @@ std::vector<std::size_t> FindColumns(const ColumnMap& map, int joint,
   return at;
 }
 
-std::vector<std::string> ColumnNames(const CsvMap& map, int joint) {
+std::vector<std::string> ColumnsOf(const CsvMap& map, int joint) {
   std::vector<std::string> names;
-  const auto add = [&names, joint](const ColumnMap& column) {
-    for (const Summand& summand : column.sum) names.push_back(ColumnName(summand.column, joint));
-    for (const std::string& factor : column.times) names.push_back(ColumnName(factor, joint));
-  };
-  if (map.row_period_s == 0.0) add(map.time);
-  for (const SignalColumn& signal : map.signals) add(signal.map);
+  if (map.row_period_s == 0.0) names = ColumnsOf(map.time, joint);
+  for (const SignalColumn& signal : map.signals) {
+    const std::vector<std::string> more = ColumnsOf(signal.map, joint);
+    names.insert(names.end(), more.begin(), more.end());
+  }
   return names;
 }
 
@@ -114,8 +117,7 @@ types::Run ReadCsvRun(std::string_view text, const std::string& name, const CsvM
                                 " is asked for, the mapping " + map.name +
                                 " describes joints 0 to " + std::to_string(map.joints - 1));
   }
-  const std::vector<std::string> header =
-      CsvHeader(text, name, ColumnNames(map, joint), map.format);
+  const std::vector<std::string> header = CsvHeader(text, name, ColumnsOf(map, joint), map.format);
   std::vector<std::string> names;
   std::vector<std::size_t> time_columns;
   const bool numbered = map.row_period_s > 0.0;

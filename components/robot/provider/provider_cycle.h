@@ -152,7 +152,7 @@ class ProviderCycle {
   // Why the fall detector lets nobody arm; empty: it does. Allocates.
   std::string FallRefusal() const { return fall_ ? fall_->ArmRefusal() : std::string(); }
 
-  // What keeps the newest joint command of this session from being obeyed.
+  // What keeps the newest joint command under the present session id from being obeyed.
   const Fault& CommandFault() const { return command_fault_; }
 
   // Real time: the joint command of this tick is waited for. False: nobody may move, or the
@@ -183,7 +183,7 @@ class ProviderCycle {
   std::chrono::nanoseconds fault_after() const { return config_.guard.fault_after; }
 
  private:
-  // A command of this session that is for other joints than the robot's.
+  // That a command is for other joints than the robot's.
   Fault FaultOf(const JointSetpoints& command) const;
   // Joint j of command_ as the accepted joint command says.
   void Pass(std::size_t joint);

@@ -304,7 +304,7 @@ struct TickLoop::Impl {
   }
 
   // A session is its writer's for as long as that is heard. Another state provider that discovery
-  // found late is not followed: it or this session's ends (provider/rival.h).
+  // found late is not followed: one of the two ends (provider/participant/other_provider.h).
   bool IsOfAnotherProvider(const HeadOfMessage& head, const WriterId& writer) const {
     if (lockstep || apart || !last_tick || head.session_id == session_id) return false;
     return writer != inputs.front()->queue.writer() &&
