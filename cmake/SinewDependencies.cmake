@@ -4,7 +4,7 @@ function(sinew_missing what debian)
   message(FATAL_ERROR "${what} not found. Install it with:\n"
     "  apt-get install ${debian}\n"
     "or everything at once with:\n"
-    "  apt-get install --no-install-recommends $(grep -hv '^#' tools/{run,build,test,oracle}_packages.txt)")
+    "  apt-get install --no-install-recommends $(grep -hv '^#' tools/{run_packages,packages,test_packages,oracle_packages}.txt)")
 endfunction()
 
 macro(sinew_find name debian)

@@ -13,7 +13,7 @@ timed() {
   echo "$name $((SECONDS - began))" >> "${SINEW_TIMES:-/dev/null}"
 }
 
-package_lists=("$root"/tools/{run,build}_packages.txt)
+package_lists=("$root"/tools/{run_packages,packages}.txt)
 # The preset that is to be built may need another compiler: for_preset PRESET, before install_packages.
 for_preset() { [ "$1" = release ] || package_lists+=("$root/tools/sanitizer_packages.txt"); }
 packages() { sed 's/#.*//' "${package_lists[@]}" | tr -s '[:space:]' '\n' | sed '/^$/d'; }

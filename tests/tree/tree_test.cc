@@ -420,8 +420,8 @@ TEST(Tree, EveryLibraryIsIncludedByATest) {
 std::set<std::string> Packages() {
   std::set<std::string> packages;
   std::string lists;
-  for (const char* list : {"run", "build", "test", "oracle"}) {
-    lists += Read(kRoot / "tools" / (std::string(list) + "_packages.txt"));
+  for (const char* list : {"packages", "run_packages", "test_packages", "oracle_packages"}) {
+    lists += Read(kRoot / "tools" / (std::string(list) + ".txt"));
   }
   for (const std::string& line : Lines(lists)) {
     std::istringstream words(line.substr(0, line.find('#')));
