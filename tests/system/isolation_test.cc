@@ -80,9 +80,11 @@ TEST(Isolation, ItsUsersProgramsEnterByThemselvesAndNobodyElseHearsIt) {
   // The host's own network, and another user of the host.
   const Finished outside =
       In(Shell({"disarm", "--domain", "167", "--deployment", "none"}), kStranger);
-  EXPECT_THAT(outside.error, HasSubstr("no state provider heard in domain 167"));
+  EXPECT_THAT(outside.error, HasSubstr("no state provider heard in domain 167; isolated there: "
+                                       "'isolated' (--deployment isolated)"));
   EXPECT_THAT(In(OfAnotherUser(folder, {"disarm", "--domain", "167"}), kStranger).error,
-              HasSubstr("no state provider heard in domain 167"));
+              HasSubstr("no state provider heard in domain 167; isolated there: 'isolated' of user "
+                        "root, whose programs alone reach it"));
   EXPECT_EQ(In(Shell({"estop", "--domain", "167"})).exit_code, 0);
   EXPECT_TRUE(Stop(&launch)) << launch.error();
 }

@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "components/base/types/json_text.h"
+#include "components/topics/isolation/isolation.h"
 #include "components/topics/node/codec.h"
 #include "components/topics/node/endpoint.h"
 #include "components/topics/node/host_name.h"
@@ -128,6 +129,14 @@ class Heard {
                             "' of host '" + participant.host + "'",
                         participant.ticks, participant.missed});
     }
+    const bool elsewhere =
+        std::any_of(participants_.begin(), participants_.end(),
+                    [&own_host](const auto& each) { return each.second.host != own_host; });
+    if (losses.empty() && elsewhere) {
+      findings.push_back({"losses", Severity::kNote,
+                          "no message of every cycle came from another host, no loss was counted",
+                          "a longer --wait: on a lossy network matching takes seconds"});
+    }
     Append(&findings, inspect::CheckLosses(losses));
     return findings;
   }
@@ -175,7 +184,8 @@ std::vector<Finding> CheckDomain(const DoctorOptions& options) {
       {options.node.interfaces, node.has_security() || !options.node.key_path.empty()}, endpoints)};
   if (endpoints.empty()) {
     findings.push_back({"participants", Severity::kNote,
-                        "none in domain " + std::to_string(options.node.domain_id),
+                        "none in domain " + std::to_string(options.node.domain_id) +
+                            isolation::OthersIn(options.node.domain_id),
                         "start the deployment first, or --domain, --interface of another one; "
                         "one with keys is heard with --key or --qos alone"});
     return findings;

@@ -7,15 +7,18 @@
 #include <cerrno>
 #include <csignal>
 #include <cstring>
+#include <ctime>
 #include <iostream>
 #include <memory>
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "components/base/config/config.h"
 #include "components/topics/isolation/isolation.h"
+#include "components/topics/node/systemd_link.h"
 
 namespace sinew::tools {
 
@@ -25,6 +28,7 @@ struct IsolateOptions {
   std::string deployment;
   int domain_id = 0;
   std::vector<std::string> interfaces;
+  bool given = false;
 };
 
 // Until one of the signals that end a process.
@@ -33,11 +37,21 @@ void Hold(const IsolateOptions& options) {
   sigemptyset(&ends);
   for (const int signal : {SIGINT, SIGTERM, SIGQUIT, SIGHUP}) sigaddset(&ends, signal);
   ::pthread_sigmask(SIG_BLOCK, &ends, nullptr);
-  const isolation::Isolation held(options.deployment, options.interfaces);
+  isolation::Isolation held(options.deployment, options.interfaces,
+                            options.given ? isolation::Network::kGiven : isolation::Network::kNew);
   isolation::BecomeHolder();
+  node::SystemdLink systemd;
+  systemd.SetStatus("holds the network of " + options.deployment);
   std::cout << "isolated: " << options.deployment << ", process " << ::getpid() << std::endl;
-  int signal = 0;
-  ::sigwait(&ends, &signal);
+  constexpr timespec kLook{.tv_sec = 1, .tv_nsec = 0};
+  std::string said;
+  while (::sigtimedwait(&ends, nullptr, &kLook) < 0) {
+    try {
+      held.MoveIn();
+    } catch (const UsageError& error) {
+      if (std::exchange(said, error.what()) != error.what()) std::cerr << said << std::endl;
+    }
+  }
 }
 
 void AddIsolate(CLI::App& app) {
@@ -49,6 +63,8 @@ void AddIsolate(CLI::App& app) {
       ->check(CLI::Range(0, 232));
   command->add_option("--move", options->interfaces, "Interface that moves in; may be repeated")
       ->type_name("NAME");
+  command->add_flag("--given", options->given,
+                    "The network that a unit's PrivateNetwork= gives, instead of a new one");
   command->footer(
       "Other users of the host cannot send anything to what runs inside; its own user's commands\n"
       "enter by themselves. `sinew launch --isolate` starts it. Ends by SIGINT or SIGTERM, and "

@@ -25,6 +25,7 @@
 #include "components/record/recording/file/file_io.h"
 #include "components/record/recording/mcap_reader.h"
 #include "components/record/recording/run_import.h"
+#include "components/topics/isolation/isolation.h"
 #include "components/topics/node/endpoint.h"
 #include "components/topics/node/host_name.h"
 #include "components/topics/node/matching.h"
@@ -331,7 +332,9 @@ Json Printable(Json report) {
 
 void PrintDomain(const Json& report) {
   std::cout << "domain " << report["domain"] << ": " << report["participants"].size()
-            << " participants, " << report["topics"].size() << " topics\n";
+            << " participants, " << report["topics"].size() << " topics"
+            << (report["participants"].empty() ? isolation::OthersIn(report["domain"]) : "")
+            << '\n';
   std::cout.flush();
   PrintParticipants(report["participants"], report["host"].get<std::string>());
   PrintTopics(report);

@@ -20,6 +20,7 @@
 #include "components/base/types/json_text.h"
 #include "components/robot/estop/press.h"
 #include "components/robot/estop/socket_folder.h"
+#include "components/topics/isolation/isolation.h"
 #include "components/topics/node/node.h"
 #include "components/topics/node/time_option.h"
 #include "tools/sinew/node_options.h"
@@ -84,7 +85,7 @@ std::string Why(const Request& request, const std::optional<msg::JointState>& st
                 int domain_id) {
   if (!state) {
     return std::string("no state provider heard in domain ") + std::to_string(domain_id) +
-           (heard ? "; the command was delivered to others" : "");
+           (heard ? "; the command was delivered to others" : "") + isolation::OthersIn(domain_id);
   }
   if (!heard) {
     return "the robot is heard, but nobody takes commands of this process: its key, or the role of "

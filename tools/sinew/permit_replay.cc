@@ -13,6 +13,7 @@
 
 #include "components/base/types/json_text.h"
 #include "components/base/types/robot_state.h"
+#include "components/topics/isolation/isolation.h"
 #include "components/topics/node/endpoint.h"
 #include "components/topics/node/node.h"
 #include "components/topics/node/time_option.h"
@@ -81,7 +82,9 @@ class Permit {
  private:
   std::string Why() const {
     const std::string domain = " in domain " + std::to_string(options_.node.domain_id);
-    if (!state_) return "no state provider heard" + domain;
+    if (!state_) {
+      return "no state provider heard" + domain + isolation::OthersIn(options_.node.domain_id);
+    }
     const std::string heard = HeardReference(node_);
     if (heard != options_.target) {
       return "'" + options_.target + "' is not the one whose reference is heard" + domain +

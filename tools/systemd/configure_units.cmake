@@ -1,7 +1,8 @@
 # Run by `cmake --install`: fills in what the units name.
 file(READ ${SINEW_SYSTEMD_SOURCE}/sandbox.in SINEW_SANDBOX)
+file(READ ${SINEW_SYSTEMD_SOURCE}/network.in SINEW_NETWORK)
 file(GLOB templates ${SINEW_SYSTEMD_SOURCE}/*.in)
-list(REMOVE_ITEM templates ${SINEW_SYSTEMD_SOURCE}/sandbox.in)
+list(REMOVE_ITEM templates ${SINEW_SYSTEMD_SOURCE}/sandbox.in ${SINEW_SYSTEMD_SOURCE}/network.in)
 foreach(template ${templates})
   get_filename_component(name ${template} NAME)
   string(REGEX REPLACE "\\.in$" "" name ${name})

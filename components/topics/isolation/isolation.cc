@@ -4,6 +4,7 @@
 #include <linux/netlink.h>
 #include <linux/rtnetlink.h>
 #include <net/if.h>
+#include <pwd.h>
 #include <sched.h>
 #include <sys/ioctl.h>
 #include <sys/mount.h>
@@ -61,11 +62,12 @@ std::optional<Holder> AsHolder(const fs::path& process) {
   std::ifstream in(process / "comm");
   if (!std::getline(in, name) || name != kHolderName) return std::nullopt;
   struct stat status {};
-  if (::stat(process.c_str(), &status) != 0 || status.st_uid != ::geteuid()) return std::nullopt;
+  if (::stat(process.c_str(), &status) != 0) return std::nullopt;
   const std::vector<std::string> words = CommandLineOf(process);
   if (words.size() < 5 || words[1] != kCommand || words[3] != kDomainOption) return std::nullopt;
   try {
-    return Holder{std::stoi(process.filename().string()), words[2], std::stoi(words[4])};
+    return Holder{std::stoi(process.filename().string()), words[2], std::stoi(words[4]),
+                  status.st_uid};
   } catch (const std::logic_error&) {  // no number
     return std::nullopt;
   }
@@ -107,29 +109,29 @@ void OwnSharedMemory() {
   }
 }
 
-short FlagsOf(int socket, const std::string& interface) {
-  ifreq request{};
-  interface.copy(request.ifr_name, IFNAMSIZ - 1);
-  return ::ioctl(socket, SIOCGIFFLAGS, &request) == 0 ? request.ifr_flags : short{0};
-}
+// A network by what was opened in it: sockets stay there, wherever their process goes.
+struct OpenNetwork {
+  Descriptor file{Open("/proc/self/ns/net")};
+  Descriptor netlink{::socket(AF_NETLINK, SOCK_RAW | SOCK_CLOEXEC, NETLINK_ROUTE)};
+  Descriptor control{::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0)};
 
-void SetUp(int socket, const std::string& interface) {
-  ifreq request{};
-  interface.copy(request.ifr_name, IFNAMSIZ - 1);
-  request.ifr_flags = static_cast<short>(FlagsOf(socket, interface) | IFF_UP);
-  if (::ioctl(socket, SIOCSIFFLAGS, &request) != 0) Fail(interface + " cannot be set up");
-}
+  // False, with errno: refused, or no such interface.
+  bool Ask(unsigned long what, const std::string& interface, ifreq* request) const {
+    interface.copy(request->ifr_name, IFNAMSIZ - 1);
+    return ::ioctl(control.get(), what, request) == 0;
+  }
+  void SetUp(const std::string& interface) const {
+    ifreq request{};
+    if (Ask(SIOCGIFFLAGS, interface, &request)) {
+      request.ifr_flags = static_cast<short>(request.ifr_flags | IFF_UP);
+      if (Ask(SIOCSIFFLAGS, interface, &request)) return;
+    }
+    Fail(interface + " cannot be set up");
+  }
+};
 
-// A netlink socket belongs to the network in which it was opened, wherever its process goes.
-Descriptor Netlink() {
-  Descriptor out(::socket(AF_NETLINK, SOCK_RAW | SOCK_CLOEXEC, NETLINK_ROUTE));
-  if (out.get() < 0) Fail("netlink");
-  return out;
-}
-
-// Moves an interface of the network of `netlink` to that of the file `network` (rtnetlink(7),
-// IFLA_NET_NS_FD). False, with errno: the kernel refuses.
-bool Move(const Descriptor& netlink, int index, const Descriptor& network) {
+// rtnetlink(7), IFLA_NET_NS_FD. False, with errno: the kernel refuses.
+bool ChangeNetwork(const OpenNetwork& from, int index, const OpenNetwork& to) {
   struct {
     nlmsghdr header;
     ifinfomsg interface;
@@ -143,10 +145,10 @@ bool Move(const Descriptor& netlink, int index, const Descriptor& network) {
   request.interface.ifi_index = index;
   request.attribute.rta_type = IFLA_NET_NS_FD;
   request.attribute.rta_len = RTA_LENGTH(sizeof request.descriptor);
-  request.descriptor = network.get();
-  if (::send(netlink.get(), &request, sizeof request, 0) != sizeof request) return false;
+  request.descriptor = to.file.get();
+  if (::send(from.netlink.get(), &request, sizeof request, 0) != sizeof request) return false;
   std::array<char, 4096> answer{};
-  if (::recv(netlink.get(), answer.data(), answer.size(), 0) <
+  if (::recv(from.netlink.get(), answer.data(), answer.size(), 0) <
       static_cast<ssize_t>(sizeof(nlmsghdr) + sizeof(nlmsgerr))) {
     return false;
   }
@@ -156,11 +158,21 @@ bool Move(const Descriptor& netlink, int index, const Descriptor& network) {
   return error.error == 0;
 }
 
-Descriptor ControlSocket() { return Descriptor(::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0)); }
+// Up there where it was up. False: there is no such interface in `from`.
+bool Move(const std::string& interface, const OpenNetwork& from, const OpenNetwork& to) {
+  ifreq index{}, flags{};
+  if (!from.Ask(SIOCGIFINDEX, interface, &index)) return false;
+  const bool up = from.Ask(SIOCGIFFLAGS, interface, &flags) && (flags.ifr_flags & IFF_UP) != 0;
+  if (!ChangeNetwork(from, index.ifr_ifindex, to)) Fail(interface + " cannot be moved");
+  if (up) to.SetUp(interface);
+  return true;
+}
 
 }  // namespace
 
-std::vector<Holder> Holders() {
+namespace {
+
+std::vector<Holder> HoldersOfAll() {
   std::vector<Holder> out;
   std::error_code ignored;
   for (const auto& process : fs::directory_iterator("/proc", ignored)) {
@@ -168,6 +180,35 @@ std::vector<Holder> Holders() {
   }
   std::sort(out.begin(), out.end(),
             [](const Holder& a, const Holder& b) { return a.deployment < b.deployment; });
+  return out;
+}
+
+std::string NameOf(uid_t user) {
+  const passwd* entry = ::getpwuid(user);
+  return entry == nullptr ? std::to_string(user) : entry->pw_name;
+}
+
+}  // namespace
+
+std::vector<Holder> Holders() {
+  std::vector<Holder> out = HoldersOfAll();
+  std::erase_if(out, [](const Holder& holder) { return holder.user != ::geteuid(); });
+  return out;
+}
+
+std::string OthersIn(int domain_id) {
+  std::string out;
+  for (const Holder& holder : HoldersOfAll()) {
+    if (holder.domain_id != domain_id) continue;
+    const bool own = holder.user == ::geteuid();
+    if (own && IsSameNamespace(Open("/proc/self/ns/net"),
+                               "/proc/" + std::to_string(holder.pid) + "/ns/net")) {
+      continue;
+    }
+    out += "; isolated there: '" + holder.deployment + "' " +
+           (own ? "(--deployment " + holder.deployment + ")"
+                : "of user " + NameOf(holder.user) + ", whose programs alone reach it");
+  }
   return out;
 }
 
@@ -212,34 +253,43 @@ void Enter(const Holder& holder) {
 }
 
 struct Isolation::Impl {
-  struct Moved {
-    std::string name;
-    int index = 0;
-    bool was_up = false;
-  };
-
-  explicit Impl(const std::vector<std::string>& interfaces)
-      : host_network(Open("/proc/self/ns/net")),
-        host_netlink(Netlink()),
-        host_control(ControlSocket()) {
-    for (const std::string& name : interfaces) {
-      const int index = static_cast<int>(::if_nametoindex(name.c_str()));
-      if (index == 0) Fail("interface " + name);
-      moved.push_back({name, index, (FlagsOf(host_control.get(), name) & IFF_UP) != 0});
-    }
-  }
-
-  const Descriptor host_network, host_netlink, host_control;
-  std::vector<Moved> moved;
+  std::vector<std::string> interfaces;
+  std::optional<OpenNetwork> host, own;
 };
 
-Isolation::Isolation(const std::string& deployment, const std::vector<std::string>& interfaces)
-    : impl_(std::make_unique<Impl>(interfaces)) {
+Isolation::Isolation(const std::string& deployment, const std::vector<std::string>& interfaces,
+                     Network kind)
+    : impl_(std::make_unique<Impl>()) {
   for (const Holder& holder : Holders()) {
     if (holder.deployment != deployment) continue;
     throw UsageError("isolation: a deployment '" + deployment + "' runs already (process " +
                      std::to_string(holder.pid) + "), expected a name of its own");
   }
+  impl_->interfaces = interfaces;
+  if (kind == Network::kGiven) {
+    impl_->own.emplace();
+    const Descriptor host = Open("/proc/1/ns/net");
+    if (IsSameNamespace(host, "/proc/self/ns/net")) {
+      throw UsageError(
+          "isolation: this process is in process 1's network, expected PrivateNetwork=");
+    }
+    if (::setns(host.get(), CLONE_NEWNET) != 0) Fail("the network of process 1");
+    impl_->host.emplace();
+    if (::setns(impl_->own->file.get(), CLONE_NEWNET) != 0) Fail("the network that was given");
+  } else {
+    impl_->host.emplace();
+    for (const std::string& name : interfaces) {
+      ifreq request{};
+      if (!impl_->host->Ask(SIOCGIFINDEX, name, &request)) Fail("interface " + name);
+    }
+    MakeNew(interfaces);
+    impl_->own.emplace();
+  }
+  impl_->own->SetUp("lo");
+  MoveIn();
+}
+
+void Isolation::MakeNew(const std::vector<std::string>& interfaces) {
   const uid_t user = ::geteuid();
   const gid_t group = ::getegid();
   if (user != 0 && !interfaces.empty()) {
@@ -250,26 +300,19 @@ Isolation::Isolation(const std::string& deployment, const std::vector<std::strin
   }
   if (user != 0) MapUser(user, group);
   OwnSharedMemory();
-  const Descriptor network = Open("/proc/self/ns/net"), control = ControlSocket();
-  SetUp(control.get(), "lo");
-  for (const Impl::Moved& each : impl_->moved) {
-    if (!Move(impl_->host_netlink, each.index, network)) Fail(each.name + " cannot be moved");
-    if (each.was_up) SetUp(control.get(), each.name);
-  }
+}
+
+void Isolation::MoveIn() {
+  for (const std::string& name : impl_->interfaces) Move(name, *impl_->host, *impl_->own);
 }
 
 Isolation::~Isolation() {
-  if (impl_->moved.empty()) return;
-  try {
-    const Descriptor netlink = Netlink();
-    for (const Impl::Moved& each : impl_->moved) {
-      const int index = static_cast<int>(::if_nametoindex(each.name.c_str()));
-      if (Move(netlink, index, impl_->host_network) && each.was_up) {
-        SetUp(impl_->host_control.get(), each.name);
-      }
+  for (const std::string& name : impl_->interfaces) {
+    try {
+      Move(name, *impl_->own, *impl_->host);
+    } catch (const UsageError&) {
+      // The kernel gives physical ones back with the last process inside.
     }
-  } catch (const UsageError&) {
-    // The kernel gives physical ones back with the last process inside.
   }
 }
 

@@ -23,6 +23,7 @@ struct Holder {
   pid_t pid = 0;
   std::string deployment;
   int domain_id = 0;
+  uid_t user = 0;
 };
 
 // Those of this process' user that are ready, by name.
@@ -33,21 +34,37 @@ std::vector<Holder> Holders();
 // such deployment runs, or empty and several do.
 std::optional<Holder> Chosen(const std::string& chosen, int domain_id);
 
+// Isolated deployments of the domain in which this process is not, for those who hear nobody: text
+// that continues a sentence ("; ..."), or empty.
+std::string OthersIn(int domain_id);
+
 // This process, and what it executes, is inside from now on. Nothing, where it is inside already.
 void Enter(const Holder& holder);
 
-// The namespaces of this process, made new, with the interfaces that are moved in (up again, as
-// they were) and a loopback that is up. They go back when this ends; when the process is killed,
-// the kernel gives physical ones back, and deletes virtual ones.
+enum class Network {
+  kNew,    // network and /dev/shm are made, apart from those in which this process starts
+  kGiven,  // they are its own already, by the manager of services; interfaces come from process 1's
+};
+
+// The namespaces of this process with the interfaces that are moved in (up again, as they were) and
+// a loopback that is up. They go back when this ends; when the process is killed, the kernel gives
+// physical ones back, and deletes virtual ones.
 class Isolation {
  public:
-  // Throws, too: a deployment of that name is held already, and an interface that is not there.
-  Isolation(const std::string& deployment, const std::vector<std::string>& interfaces);
+  // Throws, too: a deployment of that name is held already, a given network that is process 1's,
+  // and, for a new one, an interface that is not there.
+  Isolation(const std::string& deployment, const std::vector<std::string>& interfaces,
+            Network network = Network::kNew);
   ~Isolation();
   Isolation(const Isolation&) = delete;
   Isolation& operator=(const Isolation&) = delete;
 
+  // Those that have appeared on the host since, such as a USB adapter that was plugged in.
+  void MoveIn();
+
  private:
+  void MakeNew(const std::vector<std::string>& interfaces);
+
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };

@@ -11,7 +11,7 @@ prefix=$(mktemp -d)
 trap 'rm -rf "$prefix"' EXIT
 "$cmake" -DCMAKE_INSTALL_PREFIX="$prefix" -P "$install_script" > /dev/null
 units=$prefix/lib/systemd/system
-for file in "$units"/{sinew.target,sinew@.service,sinew-logger.service,sinew-estop.service,sinew-can@.service,sinew-deployment@.service} \
+for file in "$units"/{sinew.target,sinew@.service,sinew-logger.service,sinew-estop.service,sinew-can@.service,sinew-deployment@.service,sinew-network.service} \
             "$units"/sinew@can-bridge.service.d/order.conf "$prefix"/lib/{sysusers.d,tmpfiles.d}/sinew.conf \
             "$prefix"/lib/udev/rules.d/85-sinew-can.rules; do
   [ -s "$file" ] || fail "$file is not installed"
@@ -32,7 +32,7 @@ printf '#!/bin/sh\n' > "$prefix/bin/sinew"
 chmod +x "$prefix"/bin/*
 export SYSTEMD_UNIT_PATH=$units:
 # Words about other units of this machine are not ours.
-said=$(systemd-analyze verify sinew.target sinew-logger.service sinew-estop.service sinew-can@can0.service sinew-deployment@robot.service $names 2>&1) || status=$?
+said=$(systemd-analyze verify sinew.target sinew-network.service sinew-logger.service sinew-estop.service sinew-can@can0.service sinew-deployment@robot.service $names 2>&1) || status=$?
 echo "$said"
 [ "${status:-0}" -eq 0 ] || fail "systemd-analyze verify ends with $status"
 if grep -i sinew <<< "$said"; then fail "systemd-analyze verify has something to say"; fi
@@ -52,9 +52,14 @@ for unit in sinew@.service sinew-logger.service sinew-estop.service sinew-deploy
   [ "$allowed" = "localhost 239.255.0.1" ] || fail "$unit: '$allowed' is let through, expected loopback and discovery there"
   limit=$(sed -n 's/^LimitRTPRIO=//p' "$units/$unit")
   [ "${limit:-0}" -ge 48 ] || fail "$unit: LimitRTPRIO is ${limit:-0}, --realtime asks for up to 48"
-  if grep -E '^(RestrictRealtime|PrivateNetwork|PrivateIPC)=yes' "$units/$unit"; then
-    fail "$unit: that takes SCHED_FIFO, the network or /dev/shm away"
+  if grep -E '^(RestrictRealtime|PrivateIPC)=yes' "$units/$unit"; then
+    fail "$unit: that takes SCHED_FIFO or /dev/shm away"
   fi
+  grep -q '^PrivateNetwork=yes$' "$units/$unit" || fail "$unit: other users of the machine reach it"
+  # Alone in its network it would hear nobody.
+  [ "$(grep -c '^\(Wants\|After\|JoinsNamespaceOf\)=sinew-network.service$' "$units/$unit")" -eq 3 ] ||
+    fail "$unit: its network is not that of the others"
+  if grep -q '^Requires=.*sinew-network' "$units/$unit"; then fail "$unit: ends with the way into its network"; fi
 done
 if command -v systemd-sysusers > /dev/null; then
   mkdir -p "$prefix/root/etc"
