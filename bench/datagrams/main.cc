@@ -136,12 +136,20 @@ std::vector<Datagram> Captured(const node::Options& options, std::size_t most) {
   return out;
 }
 
-// Bytes, words and lengths behind the header; of half of them the sender is a stranger.
+// Bytes, words and lengths behind the header; of half of them the sender is a stranger. All but
+// `whole` of them are broken besides, so that few pass the filter, and many can be sent.
 class Mutator {
  public:
-  explicit Mutator(std::uint32_t seed) : random_(seed) {}
+  Mutator(std::uint32_t seed, double whole) : random_(seed), whole_(whole) {}
 
   Datagram Of(const std::vector<Datagram>& seeds) {
+    Datagram out = Mutated(seeds);
+    if (!whole_(random_)) Break(&out);
+    return out;
+  }
+
+ private:
+  Datagram Mutated(const std::vector<Datagram>& seeds) {
     Datagram out = seeds[random_() % seeds.size()];
     if (random_() % 2 == 0) Replace(&out, kPrefix, 12);
     const unsigned changes = random_() % 5;
@@ -153,8 +161,24 @@ class Mutator {
     }
     return out;
   }
-
- private:
+  // From its header or its first submessage on: random, cut off, of another vendor, of a length that
+  // is wrong.
+  void Break(Datagram* datagram) {
+    const std::size_t size = datagram->size();
+    switch (random_() % 4) {
+      case 0:
+        Replace(datagram, random_() % (kHeader + 4), size);
+        break;
+      case 1:
+        datagram->resize(random_() % (size + 1));
+        break;
+      case 2:
+        if (size > kHeader) (*datagram)[kHeader] = static_cast<std::uint8_t>(0x80 | random_());
+        break;
+      default:
+        Replace(datagram, kHeader + 2, 2);
+    }
+  }
   void Replace(Datagram* datagram, std::size_t at, std::size_t count) {
     for (std::size_t k = at; k < std::min(at + count, datagram->size()); ++k) {
       (*datagram)[k] = static_cast<std::uint8_t>(random_());
@@ -182,6 +206,7 @@ class Mutator {
   }
 
   std::mt19937 random_;
+  std::bernoulli_distribution whole_;
 };
 
 class Sender {
@@ -219,6 +244,7 @@ struct SoakOptions {
   node::Options node;
   std::uint64_t count = 100'000'000;
   std::uint32_t seed = 1;
+  double whole = 1.0;
 };
 
 // So many are on their way at most: the sockets hold some hundreds each.
@@ -228,10 +254,11 @@ constexpr std::uint64_t kBetweenPairs = 2'000'000;
 int Soak(const SoakOptions& options) {
   const std::vector<Datagram> seeds = Captured(options.node, 400);
   std::printf("%zu datagrams captured\n", seeds.size());
+  std::fflush(stdout);
   Pair attacked(options.node, "attacked");
   if (!attacked.Talks()) throw std::runtime_error("the participants do not find each other");
   Sender sender(options.node.domain_id);
-  Mutator mutator(options.seed);
+  Mutator mutator(options.seed, options.whole);
   const auto began = Clock::now();
   const node::internal::DatagramCounts first = node::internal::ReceivedDatagrams();
   std::uint64_t received = 0, sent = 0, next_pair = kBetweenPairs;
@@ -275,6 +302,8 @@ int main(int argc, char** argv) {
   node::AddDomainOptions(app, &options.node);
   app.add_option("--count", options.count, "Datagrams that the participants receive");
   app.add_option("--seed", options.seed, "Of the mutations");
+  app.add_option("--whole", options.whole, "Share that is not broken besides, most of it passes")
+      ->check(CLI::Range(0.0, 1.0));
   CLI11_PARSE(app, argc, argv);
   spdlog::set_level(spdlog::level::off);
   try {

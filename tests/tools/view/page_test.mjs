@@ -7,7 +7,7 @@ import { test } from 'node:test';
 import { decode, getter, numberPaths, parseIdl } from '../../../tools/view/page/cdr.js';
 import { Connection } from '../../../tools/view/page/connection.js';
 import { Frames } from '../../../tools/view/page/frames.js';
-import { buses, fill } from '../../../tools/view/page/panels.js';
+import { buses, fill, participants } from '../../../tools/view/page/panels.js';
 import { Recording } from '../../../tools/view/page/recording.js';
 import { PlotData, Table } from '../../../tools/view/page/series.js';
 import { Timeline, nameOfSession } from '../../../tools/view/page/timeline.js';
@@ -311,6 +311,16 @@ test('the table of the buses has the counts of the body nodes, where the recordi
   const { body_samples_missed, body_nodes_lost, ...earlier } = status;
   buses(table, earlier);
   assert.deepEqual(table.texts[1], ['bus 0', 'up', '13', '300', '400', '3', '4']);
+});
+
+test('hosts are named where there are several', () => {
+  globalThis.document = { createElement: (tag) => new Cell(tag) };
+  const table = new FakeTable();
+  const row = { name: 'esn', host: 'a', state: 'active', cycles_Hz: 240, stale_inputs: 0, missed_ticks: 0, cpu_percent: null, resident_MB: 20, age_s: 0.5, message: '' };
+  participants(table, [row, row]);
+  assert.deepEqual(table.texts[0].slice(0, 2), ['participant', 'state']);
+  participants(table, [row, { ...row, host: 'b' }]);
+  assert.deepEqual(table.texts.slice(1).map((line) => line.slice(0, 3)), [['esn', 'a', 'active'], ['esn', 'b', 'active']]);
 });
 
 test('a session that changes begins anew, another one is not mixed in, and lost ticks are counted', () => {

@@ -67,8 +67,9 @@ export function joints(table, topics, names) {
 
 // Rows as /api/status and /api/recording/participants have them.
 export function participants(table, rows) {
-  fill(table, ['participant', 'state', 'cycles/s', 'stale', 'missed', 'CPU %', 'MB', 'age s', 'message'], rows.map((row) => [
-    [row.name, ''],
+  const several = new Set(rows.map((row) => row.host)).size > 1;
+  fill(table, ['participant', 'host', 'state', 'cycles/s', 'stale', 'missed', 'CPU %', 'MB', 'age s', 'message'], rows.map((row) => [
+    [row.name, ''], several ? row.host : NOTHING,
     [row.standby && row.state === 'active' ? 'standby' : row.state, row.state === 'fault' ? 'bad' : row.state === 'active' ? 'good' : ''],
     [fixed(row.cycles_Hz, 0), 'number'], [row.stale_inputs, 'number'],
     [row.missed_ticks, 'number'], [row.cpu_percent === null ? NOTHING : fixed(row.cpu_percent, 0), 'number'],
