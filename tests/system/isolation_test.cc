@@ -131,6 +131,7 @@ TEST(Isolation, AnInterfaceMovesInAndComesBack) {
   };
   ASSERT_EQ(
       on_host({"ip", "link", "add", "bus0", "type", "veth", "peer", "name", "bus1"}).exit_code, 0);
+  ASSERT_EQ(on_host({"ip", "addr", "add", "10.9.0.1/24", "dev", "bus0"}).exit_code, 0);
   ASSERT_EQ(on_host({"ip", "link", "set", "bus0", "up"}).exit_code, 0);
   const TemporaryFolder folder;
   Program launch(host.Line({kSinew, "launch", Deployment(folder, "moved", 169, ", move: [bus0]")}));
@@ -138,8 +139,11 @@ TEST(Isolation, AnInterfaceMovesInAndComesBack) {
   EXPECT_THAT(on_host({"ip", "-br", "link"}).output, Not(HasSubstr("bus0@")));
   EXPECT_THAT(on_host({kSinew, "enter", "moved", "ip", "-br", "link"}).output,
               AllOf(HasSubstr("bus0@"), HasSubstr("UP>")));
+  EXPECT_THAT(on_host({kSinew, "enter", "moved", "ip", "-br", "addr", "show", "bus0"}).output,
+              HasSubstr("10.9.0.1/24"));
   EXPECT_TRUE(Stop(&launch)) << launch.error();
   EXPECT_THAT(on_host({"ip", "-br", "link", "show", "bus0"}).output, HasSubstr(",UP"));
+  EXPECT_THAT(on_host({"ip", "-br", "addr", "show", "bus0"}).output, HasSubstr("10.9.0.1/24"));
 }
 
 }  // namespace

@@ -352,12 +352,11 @@ void Record(const fs::path& path, const fs::path& folder, Deployment* deployment
 // The holder of the network is the first to start and among the last to stop.
 void Isolate(const config::Section& network, const std::vector<std::string>& moved,
              const fs::path& folder, Deployment* deployment) {
-  if (!deployment->host.empty()) {
-    throw UsageError(deployment->file.string() +
-                     ": isolate: an isolated deployment is of one host, expected no 'hosts'");
-  }
-  if (!deployment->interfaces.empty()) {
-    network.Fail("interfaces", "an isolated deployment is reached on no network, expected none");
+  for (const std::string& name : deployment->interfaces) {
+    if (std::find(moved.begin(), moved.end(), name) != moved.end()) continue;
+    network.Fail("move", "without '" + name +
+                             "', expected it: an isolated deployment is reached on "
+                             "what moves in alone, such as a tunnel to its other hosts");
   }
   Process holder;
   holder.name = "network";

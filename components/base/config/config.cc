@@ -159,6 +159,9 @@ Section Section::Parse(const std::string& text, const std::string& name, std::st
 }
 
 Section Section::Load(const std::filesystem::path& path, std::string_view schema) {
+  if (path.empty()) {
+    throw UsageError("--config: missing, expected a file with schema " + std::string(schema));
+  }
   return Parse(ReadFile(path), path.string(), schema);
 }
 

@@ -109,6 +109,10 @@ void OwnSharedMemory() {
   }
 }
 
+}  // namespace
+
+namespace internal {
+
 // A network by what was opened in it: sockets stay there, wherever their process goes.
 struct OpenNetwork {
   Descriptor file{Open("/proc/self/ns/net")};
@@ -120,6 +124,10 @@ struct OpenNetwork {
     interface.copy(request->ifr_name, IFNAMSIZ - 1);
     return ::ioctl(control.get(), what, request) == 0;
   }
+  std::optional<ifreq> Get(unsigned long what, const std::string& interface) const {
+    ifreq request{};
+    return Ask(what, interface, &request) ? std::optional(request) : std::nullopt;
+  }
   void SetUp(const std::string& interface) const {
     ifreq request{};
     if (Ask(SIOCGIFFLAGS, interface, &request)) {
@@ -129,6 +137,12 @@ struct OpenNetwork {
     Fail(interface + " cannot be set up");
   }
 };
+
+}  // namespace internal
+
+namespace {
+
+using internal::OpenNetwork;
 
 // rtnetlink(7), IFLA_NET_NS_FD. False, with errno: the kernel refuses.
 bool ChangeNetwork(const OpenNetwork& from, int index, const OpenNetwork& to) {
@@ -158,14 +172,18 @@ bool ChangeNetwork(const OpenNetwork& from, int index, const OpenNetwork& to) {
   return error.error == 0;
 }
 
-// Up there where it was up. False: there is no such interface in `from`.
-bool Move(const std::string& interface, const OpenNetwork& from, const OpenNetwork& to) {
-  ifreq index{}, flags{};
-  if (!from.Ask(SIOCGIFINDEX, interface, &index)) return false;
-  const bool up = from.Ask(SIOCGIFFLAGS, interface, &flags) && (flags.ifr_flags & IFF_UP) != 0;
-  if (!ChangeNetwork(from, index.ifr_ifindex, to)) Fail(interface + " cannot be moved");
-  if (up) to.SetUp(interface);
-  return true;
+// With its first IPv4 address, and up there where it was up. Nothing, where `from` has none of that
+// name.
+void Move(const std::string& interface, const OpenNetwork& from, const OpenNetwork& to) {
+  const auto index = from.Get(SIOCGIFINDEX, interface), flags = from.Get(SIOCGIFFLAGS, interface);
+  if (!index || !flags) return;
+  auto address = from.Get(SIOCGIFADDR, interface), mask = from.Get(SIOCGIFNETMASK, interface);
+  if (!ChangeNetwork(from, index->ifr_ifindex, to)) Fail(interface + " cannot be moved");
+  if (address && mask &&
+      !(to.Ask(SIOCSIFADDR, interface, &*address) && to.Ask(SIOCSIFNETMASK, interface, &*mask))) {
+    Fail(interface + " loses its address");
+  }
+  if ((flags->ifr_flags & IFF_UP) != 0) to.SetUp(interface);
 }
 
 }  // namespace
@@ -279,8 +297,7 @@ Isolation::Isolation(const std::string& deployment, const std::vector<std::strin
   } else {
     impl_->host.emplace();
     for (const std::string& name : interfaces) {
-      ifreq request{};
-      if (!impl_->host->Ask(SIOCGIFINDEX, name, &request)) Fail("interface " + name);
+      if (!impl_->host->Get(SIOCGIFINDEX, name)) Fail("interface " + name);
     }
     MakeNew(interfaces);
     impl_->own.emplace();

@@ -46,8 +46,8 @@ enum class Network {
   kGiven,  // they are its own already, by the manager of services; interfaces come from process 1's
 };
 
-// The namespaces of this process with the interfaces that are moved in (up again, as they were) and
-// a loopback that is up. They go back when this ends; when the process is killed, the kernel gives
+// The namespaces of this process with the interfaces that are moved in (up again, and with their
+// first IPv4 address, as they were) and a loopback that is up. They go back when this ends; when the process is killed, the kernel gives
 // physical ones back, and deletes virtual ones.
 class Isolation {
  public:

@@ -75,12 +75,4 @@ class Snapshots {
   Object* object_;
 };
 
-// Takes the cycle that waits as done: a component's Resume. Throws std::invalid_argument: none
-// waits.
-inline void SkipCycle(TickLoop& loop) {
-  if (!loop.Ready() || !loop.Next()) {
-    throw std::invalid_argument("no cycle waits, expected the one of the snapshot");
-  }
-}
-
 }  // namespace sinew::node

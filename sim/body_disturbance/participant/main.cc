@@ -39,9 +39,6 @@ void Log(std::uint64_t tick, const provider::BodyDisturbance& now) {
 }
 
 void Run(const node::Options& options, node::StopFlag& stop) {
-  if (options.config_path.empty()) {
-    throw UsageError("--config: missing, expected a file with schema sinew-body-disturbance/1");
-  }
   const body_disturbance::Schedule schedule = body_disturbance::LoadSchedule(options.config_path);
 
   node::Node node(options);

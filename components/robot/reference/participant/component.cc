@@ -6,65 +6,48 @@
 #include "components/robot/reference/participant/translate.h"
 #include "components/robot/reference/standby.h"
 #include "components/topics/node/other_owner.h"
-#include "components/topics/node/snapshot.h"
-#include "components/topics/node/tick_loop.h"
+#include "components/topics/node/tick_component.h"
 #include "components/topics/wire/wire.h"
 
 namespace sinew::reference {
 namespace {
 
-RobotReferenceConfig LoadConfig(const std::filesystem::path& path) {
-  if (path.empty()) {
-    throw UsageError("--config: missing, expected a file with schema sinew-reference/1");
-  }
-  LoadedReference loaded = LoadReference(path);
-  for (const std::string& note : loaded.notes) spdlog::info("{}", note);
-  return std::move(loaded.config);
-}
-
 // Of the fields of Exchange and of all that they contain.
 constexpr std::uint32_t kReferenceStateVersion = 1;
 
-class ReferenceComponent final : public node::Component {
+class ReferenceComponent final : public node::TickComponent {
  public:
-  ReferenceComponent(const node::Options& options, node::StopFlag& stop)
-      : generator_(LoadConfig(options.config_path)), node_(options), loop_(node_, stop) {}
-
-  bool Ready() override { return loop_.Ready(); }
-  bool Step() override {
-    auto tick = loop_.Next();
-    if (!tick) return false;
-    RobotReferenceInput input = ToInput(*tick, state_.value());
-    starts_.AddTo(&input, wire::FromWire(state_.value().header().origin()), &loop_);
-    while (const auto other = owner_.TakeNext(*tick)) {
-      generator_.Follow(other->header().tick(), FromMessage(*other));
-    }
-    owner_.MarkOrigin(&*tick);
-    const RobotReferenceOutput now = generator_.Step(input, owner_.StandsBy(*tick));
-    loop_.Publish(output_, ToMessage(now, *tick), *tick);
-    snapshots_.Cycle(*tick);
-    return true;
-  }
-  void Resume(const node::SavedState& saved) override {
-    node::SkipCycle(loop_);
-    snapshots_.Restore(saved);
+  ReferenceComponent(const node::Options& options, node::StopFlag& stop,
+                     RobotReferenceConfig config)
+      : TickComponent(options, stop), generator_(std::move(config)) {
+    Keep(kReferenceStateVersion, &generator_);
   }
 
  private:
+  void Compute(node::Tick& tick) override {
+    RobotReferenceInput input = ToInput(tick, state_.value());
+    starts_.AddTo(&input, wire::FromWire(state_.value().header().origin()), &loop());
+    while (const auto other = owner_.TakeNext(tick)) {
+      generator_.Follow(other->header().tick(), FromMessage(*other));
+    }
+    owner_.MarkOrigin(&tick);
+    const RobotReferenceOutput now = generator_.Step(input, owner_.StandsBy(tick));
+    loop().Publish(output_, ToMessage(now, tick), tick);
+  }
+
   Standby generator_;
-  node::Node node_;
-  node::TickLoop loop_;
-  node::TickInput<msg::JointState>& state_ = loop_.AddInput(node::kJointState);
-  OperatorStarts starts_{node_};
-  node::Writer<msg::Reference> output_ = node_.MakeWriter(node::kReference);
-  node::Snapshots<Standby> snapshots_{node_, kReferenceStateVersion, &generator_};
-  node::OtherOwner<msg::Reference> owner_{node_, node::kReference};
+  node::TickInput<msg::JointState>& state_ = loop().AddInput(node::kJointState);
+  OperatorStarts starts_{node()};
+  node::Writer<msg::Reference> output_ = node().MakeWriter(node::kReference);
+  node::OtherOwner<msg::Reference> owner_{node(), node::kReference};
 };
 
 }  // namespace
 
 std::unique_ptr<node::Component> MakeReference(const node::Options& options, node::StopFlag& stop) {
-  return std::make_unique<ReferenceComponent>(options, stop);
+  LoadedReference loaded = LoadReference(options.config_path);
+  for (const std::string& note : loaded.notes) spdlog::info("{}", note);
+  return std::make_unique<ReferenceComponent>(options, stop, std::move(loaded.config));
 }
 
 }  // namespace sinew::reference

@@ -43,9 +43,6 @@ Outputs MakeOutputs(const pneumatics::PneumaticsConfig& config,
 }
 
 void Run(const node::Options& options, node::StopFlag& stop) {
-  if (options.config_path.empty()) {
-    throw UsageError("--config: missing, expected a file with schema sinew-pneumatics/1");
-  }
   const pneumatics::PneumaticsConfig config = pneumatics::LoadPneumatics(options.config_path);
   // Only their targets are used: the requests that they take and limit.
   std::vector<pneumatics::PressureManager> targets(config.joints.begin(), config.joints.end());
