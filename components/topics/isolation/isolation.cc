@@ -16,11 +16,13 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <chrono>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <thread>
 #include <utility>
 
 #include "components/base/config/config.h"
@@ -127,6 +129,10 @@ struct OpenNetwork {
   std::optional<ifreq> Get(unsigned long what, const std::string& interface) const {
     ifreq request{};
     return Ask(what, interface, &request) ? std::optional(request) : std::nullopt;
+  }
+  bool IsRunning(const std::string& interface) const {
+    const auto flags = Get(SIOCGIFFLAGS, interface);
+    return flags && (flags->ifr_flags & IFF_RUNNING) != 0;
   }
   void SetUp(const std::string& interface) const {
     ifreq request{};
@@ -320,7 +326,16 @@ void Isolation::MakeNew(const std::vector<std::string>& interfaces) {
 }
 
 void Isolation::MoveIn() {
-  for (const std::string& name : impl_->interfaces) Move(name, *impl_->host, *impl_->own);
+  // A carrier comes back within a second on cables, and some seconds later on Ethernet.
+  constexpr auto kCarrier = std::chrono::seconds(5);
+  for (const std::string& name : impl_->interfaces) {
+    const bool ran = impl_->host->IsRunning(name);
+    Move(name, *impl_->host, *impl_->own);
+    const auto end = std::chrono::steady_clock::now() + kCarrier;
+    while (ran && !impl_->own->IsRunning(name) && std::chrono::steady_clock::now() < end) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    }
+  }
 }
 
 Isolation::~Isolation() {

@@ -59,7 +59,8 @@ class Isolation {
   Isolation(const Isolation&) = delete;
   Isolation& operator=(const Isolation&) = delete;
 
-  // Those that have appeared on the host since, such as a USB adapter that was plugged in.
+  // Those that have appeared on the host since, such as a USB adapter that was plugged in. Returns
+  // when they carry frames again, if they did, or after some seconds.
   void MoveIn();
 
  private:
