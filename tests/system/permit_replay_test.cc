@@ -170,7 +170,7 @@ TEST_F(LiveRobot, ARecordingMovesItOnlyWithPermissionAndWithoutAStep) {
   EXPECT_EQ(robot_, msg::ROBOT_ARMED) << "and control goes on holding it";
   EXPECT_TRUE(control_.WaitForText("sinew permit-replay player", 10s)) << control_.error();
 
-  const Finished other = Command({"permit-replay", "somebody"}, "1");
+  const Finished other = Command({"permit-replay", "somebody"}, "3");
   EXPECT_EQ(other.exit_code, 1);
   EXPECT_NE(other.error.find("'player'"), std::string::npos) << other.error;
   const Finished permit = Command({"permit-replay", "player"});

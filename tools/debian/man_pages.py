@@ -49,7 +49,8 @@ class Help:
             raise ValueError("expected a summary and a line 'Usage: ...'")
 
     def subcommands(self):
-        return [term for term, _ in self.sections.get("Subcommands", [])]
+        lists = [entries for title, entries in self.sections.items() if "ommands" in title]
+        return [term for entries in lists for term, _ in entries]
 
 
 def page(name, section, version, text, see):

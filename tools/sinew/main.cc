@@ -13,6 +13,7 @@
 #include "components/topics/node/topics.h"
 #include "components/topics/node/version.h"
 #include "tools/sinew/commands.h"
+#include "tools/sinew/guide.h"
 #include "tools/sinew/printed.h"
 
 namespace {
@@ -33,13 +34,6 @@ void AddVersionCommand(CLI::App& app) {
   });
 }
 
-// "sinew model show": the command the user was in when parsing stopped.
-std::string CommandInUse(const CLI::App& app) {
-  std::string name = app.get_name();
-  for (const CLI::App* child : app.get_subcommands()) return name + " " + CommandInUse(*child);
-  return name;
-}
-
 std::string FirstLine(const std::string& text) { return text.substr(0, text.find('\n')); }
 
 }  // namespace
@@ -51,9 +45,10 @@ int main(int argc, char** argv) {
   try {
     app.set_version_flag("--version", std::string("sinew ") + sinew::node::kVersion);
     app.require_subcommand(0, 1);
-    app.footer("The help of each command has examples, e.g. `sinew launch --help`.");
+    app.footer("The help of each command has examples, e.g. `sinew help launch`.");
     sinew::tools::AddAllCommands(app);
     AddVersionCommand(app);
+    sinew::tools::AddGuide(app);
     app.parse(argc, argv);
     if (app.get_subcommands().empty()) {
       std::cerr << app.help();
@@ -65,14 +60,16 @@ int main(int argc, char** argv) {
   } catch (const CLI::RuntimeError& error) {  // the command has said why
     return error.get_exit_code();
   } catch (const CLI::Error& error) {
-    const std::string command = CommandInUse(app);
-    std::cerr << command << ": " << FirstLine(error.what()) << "; see " << command << " --help\n";
+    const std::string command = sinew::tools::CommandInUse(app);
+    std::cerr << command << ": " << FirstLine(error.what()) << sinew::tools::Suggestion(app)
+              << (command == app.get_name() ? "; see sinew help" : "; see " + command + " --help")
+              << '\n';
     return 2;
   } catch (const sinew::UsageError& error) {
     std::cerr << error.what() << '\n';
     return 2;
   } catch (const std::exception& error) {
-    std::cerr << CommandInUse(app) << ": " << error.what() << '\n';
+    std::cerr << sinew::tools::CommandInUse(app) << ": " << error.what() << '\n';
     return EXIT_FAILURE;
   }
 }

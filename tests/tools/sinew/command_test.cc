@@ -24,7 +24,7 @@ std::vector<std::string> Subcommands() {
   std::istringstream help(testing::Run({kSinew, "--help"}).output);
   bool listing = false;
   for (std::string line; std::getline(help, line);) {
-    if (line == "Subcommands:") {
+    if (line.rfind("Commands to ", 0) == 0) {
       listing = true;
     } else if (line.empty()) {
       listing = false;
@@ -62,6 +62,44 @@ TEST(SinewCommand, AnUnknownCommandIsAUsageError) {
   const Finished run = testing::Run({kSinew, "fly"});
   EXPECT_EQ(run.exit_code, 2);
   EXPECT_THAT(run.error, HasSubstr("fly"));
+}
+
+TEST(SinewCommand, EveryCommandIsInOneOfTheFiveGroups) {
+  const std::string help = testing::Run({kSinew, "--help"}).output;
+  std::size_t groups = 0;
+  for (std::size_t at = 0; (at = help.find("\nCommands to ", at)) != std::string::npos; ++at)
+    ++groups;
+  EXPECT_GE(groups, 4u) << help;  // without reproduction
+  EXPECT_LE(groups, 5u) << help;
+  EXPECT_THAT(help,
+              ::testing::ContainsRegex("\nOther commands:\n(  (help|version|completion) [^\n]*"
+                                       "\n){3}\n"))
+      << "one that stands in no group: tools/sinew/guide.cc";
+}
+
+TEST(SinewCommand, HelpIsThatOfTheCommand) {
+  EXPECT_EQ(testing::Run({kSinew, "help", "model", "show"}).output,
+            testing::Run({kSinew, "model", "show", "--help"}).output);
+  EXPECT_EQ(testing::Run({kSinew, "help"}).output, testing::Run({kSinew, "--help"}).output);
+}
+
+TEST(SinewCommand, AMistypedWordIsAnsweredWithTheNearest) {
+  const struct {
+    std::vector<std::string> line;
+    const char* meant;
+  } kCases[] = {{{"lst"}, "; did you mean 'list'?"},
+                {{"lanuch", "file.yaml"}, "; did you mean 'launch'?"},
+                {{"list", "--domian", "3"}, "; did you mean '--domain'?"},
+                {{"model", "shwo"}, "; did you mean 'show'?"},
+                {{"help", "clos-loop"}, "; did you mean 'close-loop'?"}};
+  for (const auto& mistyped : kCases) {
+    std::vector<std::string> line = {kSinew};
+    line.insert(line.end(), mistyped.line.begin(), mistyped.line.end());
+    const Finished run = testing::Run(line);
+    EXPECT_EQ(run.exit_code, 2);
+    EXPECT_THAT(run.error, HasSubstr(mistyped.meant));
+  }
+  EXPECT_EQ(testing::Run({kSinew, "fly"}).error.find("did you mean"), std::string::npos);
 }
 
 TEST(SinewCommand, NoCommandShowsTheHelpAsAnError) {

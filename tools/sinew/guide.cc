@@ -1,0 +1,155 @@
+#include "tools/sinew/guide.h"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <array>
+#include <iostream>
+#include <memory>
+#include <numeric>
+#include <utility>
+#include <vector>
+
+#include "components/base/config/config.h"
+
+namespace sinew::tools {
+
+namespace {
+
+struct Group {
+  const char* title;
+  std::vector<const char*> commands;
+};
+
+// In the order of the help.
+const std::array<Group, 5>& Groups() {
+  static const std::array<Group, 5> kGroups = {{
+      {"Commands to run a robot",
+       {"launch", "compose", "arm", "disarm", "estop", "reset", "handover", "permit-replay",
+        "conform", "isolate", "enter", "security"}},
+      {"Commands to look at it",
+       {"list", "echo", "hz", "graph", "doctor", "view", "score", "performance", "render"}},
+      {"Commands to record and replay",
+       {"record", "replay", "replay-control", "rerun", "snapshot", "import", "export", "recover",
+        "attachments"}},
+      {"Commands to model",
+       {"check-data", "close-loop", "verify", "effects", "model", "train", "tune", "experiment",
+        "export-model"}},
+      {"Commands to reproduce what was published",
+       {"paper", "tables", "control-test", "squat-test", "compare", "search"}},
+  }};
+  return kGroups;
+}
+
+constexpr char kOther[] = "Other commands";
+
+// Insertions, deletions and changes of a letter, and neighbours exchanged.
+std::size_t Distance(const std::string& a, const std::string& b) {
+  std::vector<std::size_t> before, above(b.size() + 1), row(b.size() + 1);
+  std::iota(above.begin(), above.end(), std::size_t{0});
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    row[0] = i;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      row[j] = std::min({above[j] + 1, row[j - 1] + 1, above[j - 1] + (a[i - 1] != b[j - 1])});
+      if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1]) {
+        row[j] = std::min(row[j], before[j - 2] + 1);
+      }
+    }
+    before = std::exchange(above, row);
+  }
+  return above[b.size()];
+}
+
+const CLI::App& InUse(const CLI::App& app) {
+  const std::vector<CLI::App*> chosen = app.get_subcommands();
+  return chosen.empty() ? app : InUse(*chosen.front());
+}
+
+// nullptr: none of that name. App: const or not.
+template <class App>
+App* Find(App& app, const std::string& name) {
+  for (auto* child : app.get_subcommands({})) {
+    if (child->get_name() == name) return child;
+  }
+  return nullptr;
+}
+
+std::vector<std::string> WordsOf(const CLI::App& command) {
+  std::vector<std::string> words;
+  for (const CLI::App* child : command.get_subcommands({})) words.push_back(child->get_name());
+  for (const CLI::Option* option : command.get_options()) {
+    for (const std::string& name : option->get_lnames()) words.push_back("--" + name);
+  }
+  return words;
+}
+
+std::string DidYouMean(const std::string& word, const CLI::App& command) {
+  std::string nearest;
+  std::size_t least = 1 + word.size() / 3;  // a letter, and one more for each three
+  for (const std::string& known : WordsOf(command)) {
+    const std::size_t distance = Distance(word, known);
+    if (distance >= least) continue;
+    least = distance;
+    nearest = known;
+  }
+  return nearest.empty() ? "" : "; did you mean '" + nearest + "'?";
+}
+
+void PrintHelp(const CLI::App& app, const std::vector<std::string>& path) {
+  const CLI::App* command = &app;
+  std::string name = app.get_name();
+  for (const std::string& word : path) {
+    const CLI::App* child = Find(*command, word);
+    if (child == nullptr) {
+      throw UsageError(name + ": no command '" + word + "'" + DidYouMean(word, *command));
+    }
+    command = child;
+    name += " " + word;
+  }
+  // App::help() would be that of the command in use, this one.
+  std::cout << command->get_formatter()->make_help(command, name, CLI::AppFormatMode::Normal);
+}
+
+}  // namespace
+
+void AddGuide(CLI::App& app) {
+  auto path = std::make_shared<std::vector<std::string>>();
+  CLI::App* help = app.add_subcommand("help", "The help of a command");
+  help->add_option("command", *path, "Its name")->type_name("NAME");
+  help->footer("Example:\n  sinew help model show");
+  help->callback([&app, path] { PrintHelp(app, *path); });
+  std::vector<CLI::App_p> order;
+  for (const Group& group : Groups()) {
+    for (const char* name : group.commands) {
+      CLI::App* command = Find(app, name);
+      if (command == nullptr) continue;  // of reproduction, which may be left out
+      command->group(group.title);
+      order.push_back(app.get_subcommand_ptr(command));
+    }
+  }
+  for (CLI::App* other : app.get_subcommands({})) {
+    if (std::any_of(order.begin(), order.end(), [&](const auto& o) { return o.get() == other; })) {
+      continue;
+    }
+    other->group(kOther);
+    order.push_back(app.get_subcommand_ptr(other));
+  }
+  for (const CLI::App_p& command : order) {
+    app.remove_subcommand(command.get());
+    app.add_subcommand(command);
+  }
+}
+
+std::string CommandInUse(const CLI::App& app) {
+  std::string name = app.get_name();
+  for (const CLI::App* child : app.get_subcommands()) return name + " " + CommandInUse(*child);
+  return name;
+}
+
+std::string Suggestion(const CLI::App& app) {
+  const std::vector<std::string> unexpected = app.remaining(true);
+  if (unexpected.empty()) return "";
+  const std::string word = unexpected.front().substr(0, unexpected.front().find('='));
+  return DidYouMean(word, InUse(app));
+}
+
+}  // namespace sinew::tools
