@@ -155,8 +155,7 @@ void AddCloseLoopCommand(CLI::App& app) {
       "  sinew close-loop --model robots/biped/model.yaml --train run_1.mcap --held-out run_2.mcap "
       "\\\n"
       "    --out found                       # payload and friction of a robot on two feet");
-  command->callback(
-      [arguments] { Execute(arguments->options, arguments->out, arguments->json); });
+  command->callback([arguments] { Execute(arguments->options, arguments->out, arguments->json); });
 }
 
 }  // namespace sinew::tools

@@ -1,6 +1,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "components/base/types/joined.h"
 #include "components/base/types/json_text.h"
 #include "components/model/close_loop/builders.h"
 #include "components/model/report/file/report_file.h"
@@ -82,24 +83,31 @@ Section ArmSection(const arm::ArmLoop& loop) {
   return out;
 }
 
-// The robot's verdict is that of the joint with the largest.
-std::size_t Weight(const std::string& verdict) {
-  static const std::vector<std::string> kRising = {"none", "too_little_data", "unexplained",
-                                                   "effect", "data_fault"};
-  return static_cast<std::size_t>(std::find(kRising.begin(), kRising.end(), verdict) -
-                                  kRising.begin());
+// The robot's verdict is the first of these that a joint has.
+constexpr const char* kFalling[] = {"data_fault", "effect", "unexplained", "too_little_data",
+                                    "none"};
+
+// "effect: joint_1, joint_2. none: joint_3."
+std::string Verdicts(const std::vector<report::Report>& joints) {
+  std::string out;
+  for (const std::string word : kFalling) {
+    std::vector<std::string> names;
+    for (const report::Report& one : joints) {
+      if (report::VerdictWord(one) == word) names.push_back(one.joint);
+    }
+    if (!names.empty()) out += (out.empty() ? "" : " ") + word + ": " + types::Joined(names) + ".";
+  }
+  return out;
 }
 
 }  // namespace
 
 void ReportRobot(std::vector<report::Page> pages, Result* out) {
-  std::string verdict = "none";
   Json joints = Json::array();
   Section sentences = report::TableSection("The joints", {"joint", "verdict", "what was found"});
   for (std::size_t i = 0; i < out->joints.size(); ++i) {
     const report::Report& one = out->joints[i];
     const std::string word = report::VerdictWord(one);
-    if (Weight(word) > Weight(verdict)) verdict = word;
     const Json json = report::ReportJson(one);
     Json entry = {{"joint", one.joint}};
     entry.update(json);
@@ -107,6 +115,8 @@ void ReportRobot(std::vector<report::Page> pages, Result* out) {
     sentences.Add({one.joint, word, report::VerdictSentence(one)});
     out->parts.push_back({one.joint, std::move(pages[i]), types::JsonText(json, 2) + "\n"});
   }
+  const std::string sentence = Verdicts(out->joints),
+                    verdict = sentence.substr(0, sentence.find(':'));
   Json json = {{"robot", out->model.robot.name}, {"verdict", verdict}};
   if (out->arm) json["arm"] = ArmJson(*out->arm);
   json["joints"] = std::move(joints);
@@ -116,7 +126,7 @@ void ReportRobot(std::vector<report::Page> pages, Result* out) {
                        out->joints.front().model_file + ".",
                .verdict = verdict,
                .outcome = verdict,
-               .sentence = "The joint with the largest verdict: " + verdict + ".",
+               .sentence = sentence,
                .sections = {std::move(sentences)}};
   if (out->arm) out->page.sections.push_back(ArmSection(*out->arm));
 }

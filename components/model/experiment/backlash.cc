@@ -127,9 +127,8 @@ Result IdentifyBacklash(const Recording& rows, const RigConstants& rig) {
     torque_Nm.push_back(std::abs(up.sum_torque_Nm / up.rows) +
                         std::abs(down.sum_torque_Nm / down.rows));
   }
-  const auto n = static_cast<Eigen::Index>(width_deg.size());
-  if (n < 4) {
-    throw std::invalid_argument("backlash: " + std::to_string(n) +
+  if (width_deg.size() < 4) {
+    throw std::invalid_argument("backlash: " + std::to_string(width_deg.size()) +
                                 " whole periods in the recording, expected at least 4");
   }
   const auto [lowest, highest] = std::minmax_element(torque_Nm.begin(), torque_Nm.end());
@@ -137,16 +136,11 @@ Result IdentifyBacklash(const Recording& rows, const RigConstants& rig) {
     throw std::invalid_argument(
         "backlash: all trials have the same torque, expected two to separate play from compliance");
   }
-  Eigen::MatrixXd X(n, 2);
-  Eigen::VectorXd y(n);
-  std::vector<int> trial;
-  for (Eigen::Index i = 0; i < n; ++i) {
-    const auto k = static_cast<std::size_t>(i);
-    X.row(i) << 1.0, torque_Nm[k];
-    y(i) = width_deg[k];
-    trial.push_back(static_cast<int>(i));
+  TrialRows trials;
+  for (std::size_t k = 0; k < width_deg.size(); ++k) {
+    trials.Add(static_cast<int>(k), Eigen::Vector2d(1.0, torque_Nm[k]), width_deg[k]);
   }
-  const TrialFit fit = FitTrials(X, y, trial);
+  const TrialFit fit = trials.Fit();
   const Rounding rounding = RoundingOf(variance_rad2, *lowest, *highest, rig);
   Estimate play = fit.At(0), compliance = fit.At(1);
   play.half_width_95 = std::hypot(play.half_width_95, rounding.play_deg);
@@ -174,25 +168,23 @@ Result IdentifyBacklash(const Recording& rows, const RigConstants& rig) {
                         .name = "compliance of the contact",
                         .unit = "degrees/Nm",
                         .estimate = compliance}};
-  Figure figure{.title = "Difference of motor angle / N and link angle (Fig 5.1)",
-                .caption = "The first trials. Plateaus are the two contacts.",
-                .x_label = "time, s",
-                .y_label = "difference, degrees",
-                .series = {{.name = "motor/N - link", .line = true}}};
+  report::Series difference{.name = "motor/N - link"};
   const double begin_s = halves.empty() ? 0.0 : halves.front().start_s;
   for (const Row& row : rows) {
     if (row.time_s < begin_s || row.time_s > begin_s + 12.5) continue;
-    figure.series[0].x.push_back(row.time_s - begin_s);
-    figure.series[0].y.push_back((row.motor_angle_rad / rig.gear_ratio - row.output_angle_rad) /
-                                 types::kDegree_rad);
+    difference.x.push_back(row.time_s - begin_s);
+    difference.y.push_back((row.motor_angle_rad / rig.gear_ratio - row.output_angle_rad) /
+                           types::kDegree_rad);
   }
-  result.figures.push_back(std::move(figure));
-  Figure trials{.title = "Play by trial",
-                .caption = "Each trial's difference of contacts, at its torque at the teeth.",
-                .x_label = "torque of both contacts, N m",
-                .y_label = "difference of contacts, degrees",
-                .series = {{.name = "trials", .x = torque_Nm, .y = width_deg}}};
-  result.figures.push_back(std::move(trials));
+  result.figures = {
+      report::Chart("Difference of motor angle / N and link angle (Fig 5.1)",
+                    "The first trials. Plateaus are the two contacts.", "time, s", kFigure_px,
+                    {{"difference, degrees", {std::move(difference)}}}),
+      report::Chart("Play by trial",
+                    "Each trial's difference of contacts, at its torque at the teeth.",
+                    "torque of both contacts, N m", kFigure_px,
+                    {{"difference of contacts, degrees",
+                      {{.name = "trials", .x = torque_Nm, .y = width_deg, .style = kPoints}}}})};
   return result;
 }
 

@@ -100,15 +100,9 @@ Result IdentifyMotor(const Recording& rows, const RigConstants& rig) {
   run.signals[types::Signal::kPosition] = angle;
   run.signals[types::Signal::kMotorCurrent] = current;
   const identify::UniformRun even = identify::MakeUniform(run);
-  std::vector<Eigen::Vector4d> x;
-  std::vector<double> y;
-  std::vector<int> trial;
+  TrialRows blocks;
   int block = -1;
-  Figure figure{.title = "Current and its fit",
-                .caption = "Kt Iq, and J dw/dt + B w + Tc sign(w) with the fitted values.",
-                .x_label = "time, s",
-                .y_label = "torque at the shaft, N m",
-                .series = {{.name = "Kt Iq", .line = true}, {.name = "fit", .line = true}}};
+  report::Series measured{.name = "Kt Iq"}, fitted{.name = "fit"};
   std::vector<Eigen::Vector4d> shown;
   for (const identify::UniformSegment& segment : even.segments) {
     const double rate_Hz = segment.rate_Hz();
@@ -132,8 +126,8 @@ Result IdentifyMotor(const Recording& rows, const RigConstants& rig) {
       if (segment.valid[static_cast<std::size_t>(i)] == 0) continue;
       const Eigen::Vector4d row(dw(i), w(i), sign(i), rate(i));
       if (segment.Time(i) - rows.front().time_s < 8.0) {
-        figure.series[0].x.push_back(segment.Time(i) - rows.front().time_s);
-        figure.series[0].y.push_back(torque(i));
+        measured.x.push_back(segment.Time(i) - rows.front().time_s);
+        measured.y.push_back(torque(i));
         shown.push_back(row);
       }
       if (std::abs(w(i)) < kSlow_rad_s) continue;
@@ -141,17 +135,12 @@ Result IdentifyMotor(const Recording& rows, const RigConstants& rig) {
         block_end_s = segment.Time(i) + kBlock_s;
         ++block;
       }
-      x.push_back(row);
-      y.push_back(torque(i));
-      trial.push_back(block);
+      blocks.Add(block, row, torque(i));
     }
   }
-  Eigen::MatrixXd X(static_cast<Eigen::Index>(x.size()), 4);
-  for (std::size_t i = 0; i < x.size(); ++i) X.row(static_cast<Eigen::Index>(i)) = x[i];
-  const TrialFit fit = FitTrials(
-      X, Eigen::Map<Eigen::VectorXd>(y.data(), static_cast<Eigen::Index>(y.size())), trial);
-  figure.series[1].x = figure.series[0].x;
-  for (const Eigen::Vector4d& row : shown) figure.series[1].y.push_back(fit.b.dot(row));
+  const TrialFit fit = blocks.Fit();
+  fitted.x = measured.x;
+  for (const Eigen::Vector4d& row : shown) fitted.y.push_back(fit.b.dot(row));
 
   Result result{.experiment = "motor", .title = "Motor inertia and damping (4.21)-(4.26)"};
   result.quantities = {
@@ -186,7 +175,10 @@ Result IdentifyMotor(const Recording& rows, const RigConstants& rig) {
        .target_share = 0.05,
        .has_interval = false,
        .remark = "takes up the dry friction; x 3/2 with the printed factor"}};
-  result.figures.push_back(std::move(figure));
+  result.figures = {report::Chart(
+      "Current and its fit", "Kt Iq, and J dw/dt + B w + Tc sign(w) with the fitted values.",
+      "time, s", kFigure_px,
+      {{"torque at the shaft, N m", {std::move(measured), std::move(fitted)}}})};
   return result;
 }
 

@@ -13,7 +13,6 @@ using gate::Fault;
 using types::Run;
 using types::Signal;
 
-constexpr Eigen::Index kMostRows = 1800;  // of a line
 constexpr std::size_t kMostFaults = 6, kMostRecordings = 4;
 
 constexpr int kPanel_px = 165;
@@ -35,13 +34,11 @@ std::string Label(Signal signal, types::JointKind kind) {
   return name + ", " + std::string(types::SignalUnit(signal, kind));
 }
 
-// Every k-th row, so that a line stays a line; rows of a fault keep all of theirs.
 Series RowsOf(const Run& run, Signal signal, Eigen::Index first, Eigen::Index last,
               const char* colour, const std::string& name) {
   Series out = {name, colour, {}, {}};
   const Eigen::VectorXd& x = run.At(signal);
-  const Eigen::Index stride = std::max<Eigen::Index>(1, (last - first + 1) / kMostRows);
-  for (Eigen::Index i = first; i <= last; i += stride) {
+  for (Eigen::Index i = first; i <= last; ++i) {
     if (!std::isfinite(x[i]) || !std::isfinite(run.time_s[i])) continue;
     out.x.push_back(run.time_s[i]);
     out.y.push_back(x[i]);

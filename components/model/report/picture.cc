@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <iterator>
 #include <limits>
 
 namespace sinew::report {
@@ -12,13 +13,39 @@ namespace {
 // Pixels: a line of text above, the axis with its name below, a gap between panels.
 constexpr double kAbove = 30.0, kBelow = 66.0, kGap = 18.0;
 
+constexpr std::size_t kMostPoints = 2500;
+
 std::string DataBlock(const std::string& name, const Series& series) {
   std::string out = name + " << EOD\n";
-  for (std::size_t i = 0; i < series.x.size(); ++i) {
-    const bool shown = std::isfinite(series.x[i]) && std::isfinite(series.y[i]);
-    out += shown ? PictureNumber(series.x[i]) + " " + PictureNumber(series.y[i]) + "\n" : "\n";
+  const std::size_t step = std::max<std::size_t>(1, series.x.size() / kMostPoints);
+  for (std::size_t i = 0; i < series.x.size(); i += step) {
+    if (std::isfinite(series.x[i]) && std::isfinite(series.y[i])) {
+      out += PictureNumber(series.x[i]) + " " + PictureNumber(series.y[i]);
+      if (!series.spread.empty()) out += " " + PictureNumber(series.spread[i]);
+    }
+    out += "\n";
   }
   return out + "EOD\n";
+}
+
+// In quotes; those in the text would end gnuplot's string.
+std::string Quoted(std::string text) {
+  std::replace(text.begin(), text.end(), '\'', ' ');
+  return "'" + text + "'";
+}
+
+std::string Colour(const Series& series, std::size_t place) {
+  if (!series.colour.empty()) return series.colour;
+  return place == 0   ? kMeasuredColour
+         : place == 1 ? kAfterColour
+                      : kSeriesColours[(place - 2) % std::size(kSeriesColours)];
+}
+
+// A block's part of the command `plot`.
+std::string Plot(const std::string& block, const Series& series, std::size_t place) {
+  return block + (series.spread.empty() ? " using 1:2" : " using 1:2:3") + " with " + series.style +
+         " lc rgb '" + Colour(series, place) + "' " +
+         (series.name.empty() ? "notitle" : "title " + Quoted(series.name));
 }
 
 }  // namespace
@@ -34,11 +61,13 @@ Picture Chart(const std::string& title, const std::string& caption, const std::s
     const double top = height - kAbove - panel_px * static_cast<double>(p);
     plots += "set tmargin at screen " + PictureNumber(top / height) + "\nset bmargin at screen " +
              PictureNumber((top - panel_px + (last ? 0.0 : kGap)) / height) + "\n" +
-             (last ? "set format x '%g'\nset xlabel '" + x_label + "'\n"
+             (last ? "set format x '%g'\nset xlabel " + Quoted(x_label) + "\n"
                    : std::string("set format x ''\nunset xlabel\n")) +
-             "set ylabel '" + panels[p].label + "'\nset yrange [" + panels[p].y_range + "]\n";
+             "set ylabel " + Quoted(panels[p].label) + "\nset yrange [" + panels[p].y_range + "]\n";
     std::string curves;
-    for (const Series& series : panels[p].series) {
+    for (std::size_t s = 0; s < panels[p].series.size(); ++s) {
+      const Series& series = panels[p].series[s];
+      if (series.x.empty()) continue;
       const std::string block = "$d" + std::to_string(number++);
       data += DataBlock(block, series);
       for (const double x : series.x) {
@@ -46,11 +75,9 @@ Picture Chart(const std::string& title, const std::string& caption, const std::s
         low = std::min(low, x);
         high = std::max(high, x);
       }
-      curves += (curves.empty() ? "plot " : ", ") + block + " using 1:2 with " + series.style +
-                " lc rgb '" + series.colour + "' " +
-                (series.name.empty() ? "notitle" : "title '" + series.name + "'");
+      curves += (curves.empty() ? "plot " : ", ") + Plot(block, series, s);
     }
-    plots += curves + "\n";
+    plots += (curves.empty() ? "set yrange [0:1]\nplot 0 notitle" : curves) + "\n";
   }
   if (high > low) range = "set xrange [" + PictureNumber(low) + ":" + PictureNumber(high) + "]\n";
   return {title, caption,

@@ -20,12 +20,14 @@ inline constexpr const char* kBeforeColour = "#d95f02";
 inline constexpr const char* kAfterColour = "#1b7f9e";
 inline constexpr const char* kSeriesColours[] = {"#7a9a5b", "#8d5fa8", "#c9a227", "#b5525c"};
 
-// Points in a panel; one that is not finite interrupts the line.
+// Points in a panel; one that is not finite interrupts the line. Of more than 2500 every k-th is
+// drawn.
 struct Series {
-  std::string name;  // in the key; empty: not there
-  std::string colour;
-  std::vector<double> x, y;
+  std::string name{};    // in the key; empty: not there
+  std::string colour{};  // empty: by its place in the panel
+  std::vector<double> x{}, y{};
   std::string style = "lines lw 1.2";  // gnuplot's
+  std::vector<double> spread{};        // standard deviation of y, for styles with bars
 };
 
 struct Panel {

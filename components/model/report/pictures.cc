@@ -17,7 +17,6 @@ namespace {
 using effects::JointSample;
 using identify::Design;
 
-constexpr int kMostPoints = 2500;
 constexpr double kShown_s = 10.0;  // of a recording in the picture
 
 struct Axis {
@@ -135,9 +134,8 @@ Picture ResidualOverTime(const Report& report, const Design& held_out) {
   const identify::Rows& rows = held_out.rows();
   const trace::TraceResult& trace = report.trace;
   const std::string unit = TorqueUnit(trace.corrected.kind);
-  const Eigen::Index step = std::max<Eigen::Index>(1, rows.size() / kMostPoints);
   std::vector<Series> models = BothModels(report, "lines lw 1");
-  for (Eigen::Index i = 0; i < rows.size(); i += step) {
+  for (Eigen::Index i = 0; i < rows.size(); ++i) {
     const double unused = rows.used[static_cast<std::size_t>(i)] ? 0.0 : kGapInLine;
     AddPoint(rows.time_s[i] - rows.time_s[0], trace.before_held_out.residual[i] + unused,
              trace.after_held_out.residual[i] + unused, &models);
@@ -177,11 +175,10 @@ Picture ResidualOverVariable(const Report& report, const Design& design, const A
   const std::vector<Eigen::Index> used = design.rows().UsedRows();
   Eigen::VectorXd x = design.Variable(axis.get);
   if (axis.name == "time_s") x.array() -= x[0];
-  const std::size_t step = std::max<std::size_t>(1, used.size() / kMostPoints);
   Series rows = {"refitted, every row", "#f0b98a", {}, {}, "points pt 7 ps 0.28"};
-  for (std::size_t k = 0; k < used.size(); k += step) {
-    rows.x.push_back(x[used[k]]);
-    rows.y.push_back(before[used[k]]);
+  for (const Eigen::Index i : used) {
+    rows.x.push_back(x[i]);
+    rows.y.push_back(before[i]);
   }
   std::vector<Series> series = BothModels(report, "linespoints pt 7 ps 0.4 lw 2");
   for (Series& mean : series) mean.name += ", mean";

@@ -18,7 +18,7 @@ h1{font-size:21px;margin:0 0 4px}h2{font-size:16px;margin:34px 0 8px}
 .verdict{background:#fff;border-left:6px solid var(--accent);padding:16px 20px;margin:14px 0 18px;font-size:17px}
 .verdict.none,.verdict.nothing,.verdict.ok{border-color:#7a9a5b}.verdict.unexplained,.verdict.open,.verdict.training_only,.verdict.not_detectable,.verdict.data_fault,.verdict.too_little_data{border-color:#d95f02}
 .meta,.caption{color:var(--soft);font-size:13px}.caption{margin:2px 0 0}
-figure{background:#fff;margin:0 0 18px;padding:14px 16px 12px}figure h3{font-size:14px;margin:0 0 4px}
+figure{background:#fff;margin:18px 0;padding:14px 16px 12px}figure h3{font-size:14px;margin:0 0 4px}
 figure svg{width:100%;height:auto;display:block}
 table{border-collapse:collapse;width:100%;background:#fff;font-size:13.5px}
 th,td{padding:6px 10px;border-bottom:1px solid var(--line);text-align:left;vertical-align:top}

@@ -14,7 +14,6 @@ using stance_fit::PlacedPayload;
 using stance_fit::StanceEffect;
 using stance_fit::StanceFitResult;
 
-constexpr Eigen::Index kMostDots = 2500;  // of a picture
 constexpr const char* kAxisNames[] = {"x", "y", "z"};
 
 std::string PlaceText(const PlacedPayload& payload) {
@@ -91,8 +90,7 @@ Picture SeriesPicture(const stance_fit::BalanceSeries& series, Eigen::Index colu
   Series before = {"declared", kBeforeColour, {}, {}, "dots lw 2"};
   Series after = {"corrected", kAfterColour, {}, {}, "dots lw 2"};
   const Eigen::Index rows = series.time_s.size();
-  const Eigen::Index step = std::max<Eigen::Index>(1, rows / kMostDots);
-  for (Eigen::Index i = 0; i < rows; i += step) {
+  for (Eigen::Index i = 0; i < rows; ++i) {
     before.x.push_back(series.time_s[i] - series.time_s[0]);
     before.y.push_back(series.before(i, column));
     after.y.push_back(series.after(i, column));
