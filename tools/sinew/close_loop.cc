@@ -20,11 +20,11 @@ namespace {
 constexpr const char* kNoEffect = "none";          // of --effect
 constexpr const char* kSimulation = "simulation";  // of --by
 
-// What --without-rule takes.
-std::vector<std::string> RuleNames() {
-  std::vector<std::string> names;
-  for (const trace::Rule& rule : trace::AllRules()) names.emplace_back(rule.id);
-  return names;
+template <class Rules>
+std::vector<std::string> IdsOf(const Rules& rules) {
+  std::vector<std::string> ids;
+  for (const auto& rule : rules) ids.emplace_back(rule.id);
+  return ids;
 }
 
 void Execute(close_loop::Options options, const std::filesystem::path& out, bool json) {
@@ -48,13 +48,62 @@ void Execute(close_loop::Options options, const std::filesystem::path& out, bool
                                      : ", and a report of each joint in a folder of its name\n");
 }
 
+// How the effect is searched for.
+void AddSearchOptions(close_loop::Options* options, CLI::App* command) {
+  command
+      ->add_option_function<std::string>(
+          "--by",
+          [options](const std::string& what) { options->by_simulation = what == kSimulation; },
+          "What a fit compares: the drive's torque with the model's (torque, by default), or the "
+          "angle with a simulated one, for free swings and a joint that sticks and slips")
+      ->check(CLI::IsMember({"torque", kSimulation}));
+  command->add_option("--seed", options->seed, "Seed of the null test's random signs")
+      ->capture_default_str();
+  command
+      ->add_option("--accept-fault", options->accepted_faults,
+                   "Continue in spite of this fault of the data (docs/data-gate.md), with `spike` "
+                   "also with the rows that stand alone; repeatable")
+      ->allow_extra_args(false)
+      ->check(CLI::IsMember(FaultNames()));
+  command->add_flag("--keep-unconfirmed", options->keep_unconfirmed,
+                    "Effects that the held-out recordings neither confirm nor refute go into "
+                    "model.yaml, too");
+  std::vector<std::string> effects = effects::EffectNames();
+  effects.emplace_back(kNoEffect);
+  command
+      ->add_option_function<std::vector<std::string>>(
+          "--effect",
+          [options](const std::vector<std::string>& names) {
+            options->given.emplace(names.begin(), names.end());
+            options->given->erase(kNoEffect);
+          },
+          "Fit this effect without a search for others; repeatable; \"none\": "
+          "the declared terms alone")
+      ->allow_extra_args(false)
+      ->check(CLI::IsMember(effects));
+  command
+      ->add_option_function<std::vector<std::string>>(
+          "--without-rule",
+          [](const std::vector<std::string>& ids) {
+            for (const std::string& id : ids) trace::TakeOut(id);
+          },
+          "Disable a rule (docs/closing-the-loop.md), to measure its effect; repeatable")
+      ->allow_extra_args(false)
+      ->check(CLI::IsMember(IdsOf(trace::AllRules())));
+  command
+      ->add_option_function<std::vector<std::string>>(
+          "--without-effect",
+          [](const std::vector<std::string>& names) {
+            for (const std::string& name : names) trace::TakeOutEffect(name);
+          },
+          "Search as though the catalogue did not have this effect; repeatable")
+      ->allow_extra_args(false)
+      ->check(CLI::IsMember(effects::EffectNames()));
+}
+
 }  // namespace
 
-std::vector<std::string> FaultNames() {
-  std::vector<std::string> names;
-  for (const gate::Rule& rule : gate::Rules()) names.emplace_back(rule.id);
-  return names;
-}
+std::vector<std::string> FaultNames() { return IdsOf(gate::Rules()); }
 
 void AddCloseLoopCommand(CLI::App& app) {
   struct Arguments {
@@ -89,61 +138,12 @@ void AddCloseLoopCommand(CLI::App& app) {
                       "from 0 on; all joints of the model when left out");
   command->add_option("--urdf", options.urdf,
                       "Rigid bodies of an arm; what the model file names by default");
-  command
-      ->add_option_function<std::string>(
-          "--by",
-          [&options](const std::string& what) { options.by_simulation = what == kSimulation; },
-          "What a fit compares: the drive's torque with the model's (torque, by default), or the "
-          "angle with a simulated one, for free swings and a joint that sticks and slips")
-      ->check(CLI::IsMember({"torque", kSimulation}));
-  command->add_option("--seed", options.seed, "Seed of the null test's random signs")
-      ->capture_default_str();
-  command
-      ->add_option("--accept-fault", options.accepted_faults,
-                   "Continue in spite of this fault of the data (docs/data-gate.md), with `spike` "
-                   "also with the rows that stand alone; repeatable")
-      ->allow_extra_args(false)
-      ->check(CLI::IsMember(FaultNames()));
-  command->add_flag("--keep-unconfirmed", options.keep_unconfirmed,
-                    "Effects that the held-out recordings neither confirm nor refute go into "
-                    "model.yaml, too");
-  std::vector<std::string> effects = effects::EffectNames();
-  effects.emplace_back(kNoEffect);
-  command
-      ->add_option_function<std::vector<std::string>>(
-          "--effect",
-          [&options](const std::vector<std::string>& names) {
-            options.given.emplace(names.begin(), names.end());
-            options.given->erase(kNoEffect);
-          },
-          "Fit this effect without a search for others; repeatable; \"none\": "
-          "the declared terms alone")
-      ->allow_extra_args(false)
-      ->check(CLI::IsMember(effects));
-  command
-      ->add_option_function<std::vector<std::string>>(
-          "--without-rule",
-          [](const std::vector<std::string>& ids) {
-            for (const std::string& id : ids) trace::TakeOut(id);
-          },
-          "Disable a rule (docs/closing-the-loop.md), to measure its effect; repeatable")
-      ->allow_extra_args(false)
-      ->check(CLI::IsMember(RuleNames()));
-  command
-      ->add_option_function<std::vector<std::string>>(
-          "--without-effect",
-          [](const std::vector<std::string>& names) {
-            for (const std::string& name : names) trace::TakeOutEffect(name);
-          },
-          "Search as though the catalogue did not have this effect; repeatable")
-      ->allow_extra_args(false)
-      ->check(CLI::IsMember(effects::EffectNames()));
+  AddSearchOptions(&options, command);
   command->add_flag("--json", arguments->json, "Print the report as JSON");
   command->footer(
       "Fits the declared terms, searches the catalogue (`sinew effects`) for the effects that "
       "explain the\nresidual, adds the confirmed ones and reports the errors before and after. "
-      "World "
-      "and control load\nmodel.yaml unchanged.\n\nExamples:\n"
+      "World and control load\nmodel.yaml unchanged.\n\nExamples:\n"
       "  sinew close-loop --train train_1.csv train_2.csv --held-out test.csv --out found\n"
       "  sinew close-loop --train monday.csv tuesday.csv wednesday.csv --out found\n"
       "  sinew close-loop --train day.csv@:60 --held-out day.csv@60: --out found\n"

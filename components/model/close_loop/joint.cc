@@ -86,11 +86,9 @@ trace::TraceOptions TraceOptionsOf(const Options& options, const JointTask& task
 }
 
 // Fits and searches; then the models beside the recordings.
-trace::LoopResult Close(const Options& options, const Input& input,
+trace::LoopResult Close(const Options& options, const identify::ProcessingOptions& wished,
                         const actuator::JointModel& joint, JointTask* task,
                         report::Report* report) {
-  const identify::ProcessingOptions wished = identify::ReadProcessing(input.model.root, joint.kind);
-  NoteProcessing(input.model.root, wished, report);
   trace::TraceOptions trace_options = TraceOptionsOf(options, *task);
   // That of an arm is for the common fit of its joints.
   const bool of_arm = joint.Find("rigid_body") >= 0;
@@ -119,8 +117,6 @@ trace::LoopResult Close(const Options& options, const Input& input,
       rotates ? FollowRotations(task->folds, report->rotations, options.body)
               : free_run::Compare(task->held_out, {trace.nominal, trace.declared, trace.corrected},
                                   report->processing, options.body);
-  const auto published = identify::ReadAsPublished(input.model.root);
-  if (published && !rotates) ReproducePublished(*task, joint, *published, report);
   return loop;
 }
 
@@ -135,6 +131,8 @@ report::Page TraceJoint(const Options& options, const Input& input, JointTask ta
   const Clock::time_point start = Clock::now();
   const auto number = static_cast<std::size_t>(task.joint);
   const actuator::JointModel& joint = input.model.robot.joints[number];
+  const identify::ProcessingOptions wished = identify::ReadProcessing(input.model.root, joint.kind);
+  const auto published = identify::ReadAsPublished(input.model.root);
   const bool rotates = options.held_out.empty();
   if (task.train.empty() || (task.held_out.empty() && !rotates)) {
     throw UsageError("no recording of joint " + std::to_string(task.joint) +
@@ -164,7 +162,10 @@ report::Page TraceJoint(const Options& options, const Input& input, JointTask ta
   if (stops) {
     pictures = report::MakePictures(report.gate, all, joint);
   } else {
-    const trace::LoopResult loop = Close(options, input, joint, &task, &report);
+    NoteProcessing(input.model.root, wished, &report);
+    const trace::LoopResult loop = Close(options, wished, joint, &task, &report);
+    const bool reproduces = published && !rotates && report.assessed();
+    if (reproduces) ReproducePublished(task, joint, *published, &report);
     if (report.assessed()) pictures = report::MakePictures(report, *loop.train, *loop.held_out);
   }
   report.seconds = std::chrono::duration<double>(Clock::now() - start).count();

@@ -16,46 +16,31 @@ bool AnyStops(const std::vector<gate::GateReport>& reports) {
                      [](const gate::GateReport& report) { return report.stops(); });
 }
 
-// The joints of an arm share their rows: each reports those that another one leaves out, too.
-void NameRowsOfOthers(const actuator::RobotModel& robot, std::vector<gate::GateReport>* reports) {
-  std::vector<std::vector<identify::Finding>> more(reports->size());
-  for (std::size_t j = 0; j < reports->size(); ++j) {
-    for (const identify::Finding& finding : (*reports)[j].findings) {
-      if (finding.name != gate::kLeftOutRows) continue;
-      for (std::size_t other = 0; other < reports->size(); ++other) {
-        if (other == j) continue;
-        more[other].push_back(finding);
-        more[other].back().text =
-            "joint '" + robot.joints[j].name + "': " + more[other].back().text;
+// The joints of an arm share their rows and are fitted together. Where one has a fault, the report
+// of each other one names it: nothing is known of their rigid bodies, so none of them can be
+// traced. Else each reports the rows that another one leaves out, too.
+void NameThoseOfOthers(const actuator::RobotModel& robot, std::vector<gate::GateReport>* reports) {
+  const std::vector<gate::GateReport> own = *reports;
+  const bool stopped = AnyStops(own);
+  for (std::size_t other = 0; other < own.size(); ++other) {
+    gate::GateReport& to = (*reports)[other];
+    for (std::size_t j = 0; j < own.size(); ++j) {
+      if (j == other || own[other].stops()) continue;
+      const std::string joint = "joint '" + robot.joints[j].name + "'";
+      for (gate::Fault fault : own[j].faults) {
+        if (fault.accepted) continue;
+        fault.signal += (fault.signal.empty() ? "" : " of ") + joint;
+        fault.reason +=
+            " Because of it the arm was not fitted and this joint, whose own data do not stop, is "
+            "not assessed.";
+        to.faults.push_back(std::move(fault));
+      }
+      for (identify::Finding finding : own[j].findings) {
+        if (stopped || finding.name != gate::kLeftOutRows) continue;
+        finding.text = joint + ": " + finding.text;
+        to.findings.push_back(std::move(finding));
       }
     }
-  }
-  for (std::size_t j = 0; j < reports->size(); ++j) {
-    std::vector<identify::Finding>& findings = (*reports)[j].findings;
-    findings.insert(findings.end(), more[j].begin(), more[j].end());
-  }
-}
-
-// An arm is fitted with all of its joints. Where one has a fault, the report of each other one
-// names it: nothing is known of their rigid bodies, so none of them can be traced.
-void NameFaultsOfOthers(const actuator::RobotModel& robot, std::vector<gate::GateReport>* reports) {
-  std::vector<gate::Fault> faults;
-  for (std::size_t j = 0; j < reports->size(); ++j) {
-    for (const gate::Fault& fault : (*reports)[j].faults) {
-      if (fault.accepted) continue;
-      gate::Fault of_other = fault;
-      of_other.signal +=
-          (fault.signal.empty() ? "joint '" : " of joint '") + robot.joints[j].name + "'";
-      of_other.reason +=
-          " Because of it the arm was not fitted and this joint, whose own data do not stop, is "
-          "not "
-          "assessed.";
-      faults.push_back(std::move(of_other));
-    }
-  }
-  for (gate::GateReport& report : *reports) {
-    if (report.stops()) continue;
-    report.faults.insert(report.faults.end(), faults.begin(), faults.end());
   }
 }
 
@@ -69,12 +54,9 @@ std::vector<gate::GateReport> ExamineArm(const Options& options, const actuator:
     out.push_back(AskGate(options, Together((*train)[j], (*held_out)[j]), robot.joints[j]));
     left_out.insert(left_out.end(), out[j].left_out.begin(), out[j].left_out.end());
   }
-  if (AnyStops(out)) {
-    NameFaultsOfOthers(robot, &out);
-    return out;
-  }
-  NameRowsOfOthers(robot, &out);
-  for (std::size_t j = 0; j < robot.joints.size(); ++j) {
+  const bool stopped = AnyStops(out);
+  NameThoseOfOthers(robot, &out);
+  for (std::size_t j = 0; !stopped && j < robot.joints.size(); ++j) {
     LeaveOutRows(left_out, &(*train)[j], &(*held_out)[j]);
   }
   return out;
