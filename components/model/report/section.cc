@@ -26,7 +26,7 @@ th{font-weight:600;color:var(--soft);font-size:12.5px}td.n,th.n{text-align:right
 ul{margin:6px 0;padding-left:20px}.big{display:flex;gap:14px;flex-wrap:wrap;margin:0 0 18px}
 .big div{background:#fff;padding:12px 18px;flex:1 1 190px}.big b{display:block;font-size:20px}
 .big span{color:var(--soft);font-size:12.5px}code{font-size:12.5px}
-.wide{overflow-x:auto}h3{font-size:14px;margin:18px 0 6px}.met{color:#4c7a2f}.missed{color:#b5402a;font-weight:600}
+.wide{overflow-x:auto}.wide+.wide{margin-top:14px}h3{font-size:14px;margin:18px 0 6px}.met{color:#4c7a2f}.missed{color:#b5402a;font-weight:600}
 )";
 
 constexpr const char* kDash = "&ndash;";

@@ -87,8 +87,8 @@ Section ShiftSection(const StanceReport& report) {
 
 Picture SeriesPicture(const stance_fit::BalanceSeries& series, Eigen::Index column,
                       const std::string& what, const std::string& unit) {
-  Series before = {"declared", kBeforeColour, {}, {}, "dots lw 2"};
-  Series after = {"corrected", kAfterColour, {}, {}, "dots lw 2"};
+  Series before = {"declared", kBeforeColour, {}, {}, "points pt 7 ps 0.3"};
+  Series after = {"corrected", kAfterColour, {}, {}, "points pt 7 ps 0.3"};
   const Eigen::Index rows = series.time_s.size();
   for (Eigen::Index i = 0; i < rows; ++i) {
     before.x.push_back(series.time_s[i] - series.time_s[0]);
