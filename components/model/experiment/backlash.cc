@@ -48,36 +48,8 @@ Rounding RoundingOf(const std::vector<double>& variance_rad2, double lowest_Nm, 
           kNormal * largest_deg * std::numbers::sqrt2 / span_Nm};
 }
 
-}  // namespace
-
-BacklashProtocol::BacklashProtocol(const BacklashPlan& plan) : plan_(plan) {
-  if (plan.trials < 1 || !(plan.period_s > 0.0) || !(plan.motor_torque_Nm > 0.0) ||
-      !(plan.second_motor_torque_Nm > 0.0)) {
-    throw std::invalid_argument("backlash: trials, period and torques must be positive");
-  }
-}
-
-Start BacklashProtocol::start() const { return {.pressure_bar = plan_.pressure_bar}; }
-
-Command BacklashProtocol::Step(const Reading& reading) noexcept {
-  Command command;
-  const double periods = reading.time_s / plan_.period_s;
-  const int trial = static_cast<int>(periods);
-  if (trial >= plan_.trials) {
-    done_ = true;
-    return command;
-  }
-  const double torque_Nm = trial % 2 == 0 ? plan_.motor_torque_Nm : plan_.second_motor_torque_Nm;
-  command.drive = types::ControlMode::kTorque;
-  command.motor_torque_Nm = periods - trial < 0.5 ? torque_Nm : -torque_Nm;
-  command.hand_force_N = std::clamp(plan_.hand_N_rad * reading.output_angle_rad +
-                                        plan_.hand_N_s_rad * reading.output_velocity_rad_s,
-                                    -kLargestHand_N, kLargestHand_N);
-  return command;
-}
-
-Result IdentifyBacklash(const Recording& rows, const RigConstants& rig) {
-  // Half periods: stretches of one sign of the current.
+// Half periods: stretches of one sign of the current.
+std::vector<Half> HalvesOf(const Recording& rows, const RigConstants& rig) {
   std::vector<Half> halves;
   int side = 0;
   for (const Row& row : rows) {
@@ -109,6 +81,39 @@ Result IdentifyBacklash(const Recording& rows, const RigConstants& rig) {
   }
   // A trial is a half up and the half down after it; what held the link before is neither.
   std::erase_if(halves, [](const Half& h) { return h.end_s - h.start_s < kShortestHalf_s; });
+  return halves;
+}
+
+}  // namespace
+
+BacklashProtocol::BacklashProtocol(const BacklashPlan& plan) : plan_(plan) {
+  if (plan.trials < 1 || !(plan.period_s > 0.0) || !(plan.motor_torque_Nm > 0.0) ||
+      !(plan.second_motor_torque_Nm > 0.0)) {
+    throw std::invalid_argument("backlash: trials, period and torques must be positive");
+  }
+}
+
+Start BacklashProtocol::start() const { return {.pressure_bar = plan_.pressure_bar}; }
+
+Command BacklashProtocol::Step(const Reading& reading) noexcept {
+  Command command;
+  const double periods = reading.time_s / plan_.period_s;
+  const int trial = static_cast<int>(periods);
+  if (trial >= plan_.trials) {
+    done_ = true;
+    return command;
+  }
+  const double torque_Nm = trial % 2 == 0 ? plan_.motor_torque_Nm : plan_.second_motor_torque_Nm;
+  command.drive = types::ControlMode::kTorque;
+  command.motor_torque_Nm = periods - trial < 0.5 ? torque_Nm : -torque_Nm;
+  command.hand_force_N = std::clamp(plan_.hand_N_rad * reading.output_angle_rad +
+                                        plan_.hand_N_s_rad * reading.output_velocity_rad_s,
+                                    -kLargestHand_N, kLargestHand_N);
+  return command;
+}
+
+Result IdentifyBacklash(const Recording& rows, const RigConstants& rig) {
+  const std::vector<Half> halves = HalvesOf(rows, rig);
   std::vector<double> published_deg, width_deg, torque_Nm, variance_rad2;
   for (std::size_t i = 0; i + 1 < halves.size(); ++i) {
     const Half& up = halves[i];

@@ -23,6 +23,90 @@ constexpr double kSlow_rad_s = 15.0;   // rows slower than this are left out of 
 constexpr double kCoupled_rad = 0.01;  // the output moved
 constexpr double kShortest_s = 8.0;
 
+void RequireUncoupled(const Recording& rows) {
+  double lowest_rad = 1e9, highest_rad = -1e9;
+  for (const Row& row : rows) {
+    lowest_rad = std::min(lowest_rad, row.output_angle_rad);
+    highest_rad = std::max(highest_rad, row.output_angle_rad);
+  }
+  if (highest_rad - lowest_rad > kCoupled_rad) {
+    throw std::invalid_argument(
+        "motor: the output moved by " +
+        std::to_string((highest_rad - lowest_rad) * 180.0 / std::numbers::pi) +
+        " degrees, expected a motor uncoupled from the link");
+  }
+}
+
+// Differences of rows.
+Eigen::Vector2d Published(const Recording& rows, const RigConstants& rig) {
+  Eigen::Matrix2d G = Eigen::Matrix2d::Zero();
+  Eigen::Vector2d m = Eigen::Vector2d::Zero();
+  for (std::size_t i = 1; i < rows.size(); ++i) {
+    const double dt_s = rows[i].time_s - rows[i - 1].time_s;
+    if (!(dt_s > 0.0)) continue;
+    const Eigen::Vector2d a(
+        (rows[i].motor_velocity_rad_s - rows[i - 1].motor_velocity_rad_s) / dt_s,
+        rows[i].motor_velocity_rad_s);
+    G += a * a.transpose();
+    m += a * rig.torque_constant_Nm_A * rows[i].motor_current_A;
+  }
+  return G.inverse() * m;
+}
+
+types::Run RunOf(const Recording& rows) {
+  types::Run run;
+  run.name = "motor";
+  const auto n = static_cast<Eigen::Index>(rows.size());
+  run.time_s.resize(n);
+  Eigen::VectorXd angle(n), current(n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const Row& row = rows[static_cast<std::size_t>(i)];
+    run.time_s(i) = row.time_s;
+    angle(i) = row.motor_angle_rad;
+    current(i) = row.motor_current_A;
+  }
+  // The position decides whether stamps or row numbers are right: here that is the motor's.
+  run.signals[types::Signal::kPosition] = angle;
+  run.signals[types::Signal::kMotorCurrent] = current;
+  return run;
+}
+
+// fit: with Coulomb friction.
+std::vector<Quantity> Quantities(const TrialFit& fit, const Eigen::Vector2d& published) {
+  return {
+      {.id = "rotor_inertia_kg_m2",
+       .name = "J_m",
+       .unit = "kg m2",
+       .estimate = fit.At(0),
+       .target_share = 0.05,
+       .remark = "with Coulomb friction"},
+      {.id = "rotor_viscous_Nm_s_rad",
+       .name = "B_m",
+       .unit = "Nm s/rad",
+       .estimate = fit.At(1),
+       .target_share = 0.05,
+       .remark = "with Coulomb friction"},
+      {.id = "rotor_coulomb_Nm",
+       .name = "T_c",
+       .unit = "Nm",
+       .estimate = fit.At(2),
+       .remark = "dry friction of the rotor"},
+      {.id = "rotor_inertia_published_kg_m2",
+       .name = "J_m, by (4.21)-(4.26)",
+       .unit = "kg m2",
+       .estimate = {published(0), 0.0, 1},
+       .target_share = 0.05,
+       .has_interval = false,
+       .remark = "without Coulomb friction, differences of rows; x 3/2 with the printed factor"},
+      {.id = "rotor_viscous_published_Nm_s_rad",
+       .name = "B_m, by (4.21)-(4.26)",
+       .unit = "Nm s/rad",
+       .estimate = {published(1), 0.0, 1},
+       .target_share = 0.05,
+       .has_interval = false,
+       .remark = "takes up the dry friction; x 3/2 with the printed factor"}};
+}
+
 }  // namespace
 
 MotorProtocol::MotorProtocol(const MotorPlan& plan) : plan_(plan) {
@@ -59,47 +143,9 @@ Result IdentifyMotor(const Recording& rows, const RigConstants& rig) {
   if (rows.size() < 200 || rows.back().time_s - rows.front().time_s < kShortest_s) {
     throw std::invalid_argument("motor: the recording is shorter than 8 s");
   }
-  double lowest_rad = 1e9, highest_rad = -1e9;
-  for (const Row& row : rows) {
-    lowest_rad = std::min(lowest_rad, row.output_angle_rad);
-    highest_rad = std::max(highest_rad, row.output_angle_rad);
-  }
-  if (highest_rad - lowest_rad > kCoupled_rad) {
-    throw std::invalid_argument(
-        "motor: the output moved by " +
-        std::to_string((highest_rad - lowest_rad) * 180.0 / std::numbers::pi) +
-        " degrees, expected a motor uncoupled from the link");
-  }
-  // As published: differences of rows.
-  Eigen::Matrix2d G = Eigen::Matrix2d::Zero();
-  Eigen::Vector2d m = Eigen::Vector2d::Zero();
-  for (std::size_t i = 1; i < rows.size(); ++i) {
-    const double dt_s = rows[i].time_s - rows[i - 1].time_s;
-    if (!(dt_s > 0.0)) continue;
-    const Eigen::Vector2d a(
-        (rows[i].motor_velocity_rad_s - rows[i - 1].motor_velocity_rad_s) / dt_s,
-        rows[i].motor_velocity_rad_s);
-    G += a * a.transpose();
-    m += a * rig.torque_constant_Nm_A * rows[i].motor_current_A;
-  }
-  const Eigen::Vector2d published = G.inverse() * m;
-
-  // With Coulomb friction.
-  types::Run run;
-  run.name = "motor";
-  const auto n = static_cast<Eigen::Index>(rows.size());
-  run.time_s.resize(n);
-  Eigen::VectorXd angle(n), current(n);
-  for (Eigen::Index i = 0; i < n; ++i) {
-    const Row& row = rows[static_cast<std::size_t>(i)];
-    run.time_s(i) = row.time_s;
-    angle(i) = row.motor_angle_rad;
-    current(i) = row.motor_current_A;
-  }
-  // The position decides whether stamps or row numbers are right: here that is the motor's.
-  run.signals[types::Signal::kPosition] = angle;
-  run.signals[types::Signal::kMotorCurrent] = current;
-  const identify::UniformRun even = identify::MakeUniform(run);
+  RequireUncoupled(rows);
+  const Eigen::Vector2d published = Published(rows, rig);
+  const identify::UniformRun even = identify::MakeUniform(RunOf(rows));
   TrialRows blocks;
   int block = -1;
   report::Series measured{.name = "Kt Iq"}, fitted{.name = "fit"};
@@ -143,38 +189,7 @@ Result IdentifyMotor(const Recording& rows, const RigConstants& rig) {
   for (const Eigen::Vector4d& row : shown) fitted.y.push_back(fit.b.dot(row));
 
   Result result{.experiment = "motor", .title = "Motor inertia and damping (4.21)-(4.26)"};
-  result.quantities = {
-      {.id = "rotor_inertia_kg_m2",
-       .name = "J_m",
-       .unit = "kg m2",
-       .estimate = fit.At(0),
-       .target_share = 0.05,
-       .remark = "with Coulomb friction"},
-      {.id = "rotor_viscous_Nm_s_rad",
-       .name = "B_m",
-       .unit = "Nm s/rad",
-       .estimate = fit.At(1),
-       .target_share = 0.05,
-       .remark = "with Coulomb friction"},
-      {.id = "rotor_coulomb_Nm",
-       .name = "T_c",
-       .unit = "Nm",
-       .estimate = fit.At(2),
-       .remark = "dry friction of the rotor"},
-      {.id = "rotor_inertia_published_kg_m2",
-       .name = "J_m, by (4.21)-(4.26)",
-       .unit = "kg m2",
-       .estimate = {published(0), 0.0, 1},
-       .target_share = 0.05,
-       .has_interval = false,
-       .remark = "without Coulomb friction, differences of rows; x 3/2 with the printed factor"},
-      {.id = "rotor_viscous_published_Nm_s_rad",
-       .name = "B_m, by (4.21)-(4.26)",
-       .unit = "Nm s/rad",
-       .estimate = {published(1), 0.0, 1},
-       .target_share = 0.05,
-       .has_interval = false,
-       .remark = "takes up the dry friction; x 3/2 with the printed factor"}};
+  result.quantities = Quantities(fit, published);
   result.figures = {report::Chart(
       "Current and its fit", "Kt Iq, and J dw/dt + B w + Tc sign(w) with the fitted values.",
       "time, s", kFigure_px,

@@ -10,6 +10,41 @@
 
 namespace sinew::experiment {
 
+namespace {
+
+// As published: strokes down, gravity from another experiment. fit: of all strokes.
+void AddStrokesDown(const std::vector<double>& pressure, const std::vector<double>& torque_down,
+                    const std::vector<double>& acceleration_down, const TrialFit& fit,
+                    Result* result) {
+  if (pressure.size() < 4) return;
+  TrialRows of_strokes;
+  for (std::size_t i = 0; i < pressure.size(); ++i) {
+    of_strokes.Add(static_cast<int>(i), Eigen::Vector2d(pressure[i], 1.0),
+                   torque_down[i] + fit.b(3) * acceleration_down[i]);
+  }
+  const TrialFit down = of_strokes.Fit();
+  result->quantities.push_back({.id = "pressure_slope_down_Nm_bar",
+                                .name = "K, strokes down only",
+                                .unit = "Nm/bar",
+                                .estimate = down.At(0),
+                                .published = 0.3587,
+                                .source = "(5.4)",
+                                .target_share = 0.02,
+                                .has_interval = false,
+                                .remark = "as published"});
+  result->quantities.push_back({.id = "moving_friction_down_Nm",
+                                .name = "T_dyn, strokes down, gravity assumed",
+                                .unit = "Nm",
+                                .estimate = down.At(1),
+                                .published = 0.22,
+                                .source = "(5.4)",
+                                .has_interval = false,
+                                .remark = "as published; an error of the assumed gravity goes "
+                                          "into it whole"});
+}
+
+}  // namespace
+
 Result IdentifyMovingFriction(const Recording& rows, const RigConstants& rig) {
   const Play play = FindStrokes(rows);
   if (play.strokes.size() < 8) {
@@ -38,7 +73,6 @@ Result IdentifyMovingFriction(const Recording& rows, const RigConstants& rig) {
   }
   const TrialFit fit = of_windows.Fit();
 
-  // As published: strokes down, gravity from another experiment.
   Result result{.experiment = "moving-friction",
                 .title = "Moving friction and pressure slope (5.4)"};
   result.quantities = {{.id = "pressure_slope_Nm_bar",
@@ -74,32 +108,7 @@ Result IdentifyMovingFriction(const Recording& rows, const RigConstants& rig) {
     }
     series.push_back(std::move(line));
   }
-  if (pressure.size() >= 4) {
-    TrialRows of_strokes;
-    for (std::size_t i = 0; i < pressure.size(); ++i) {
-      of_strokes.Add(static_cast<int>(i), Eigen::Vector2d(pressure[i], 1.0),
-                     torque_down[i] + fit.b(3) * acceleration_down[i]);
-    }
-    const TrialFit down = of_strokes.Fit();
-    result.quantities.push_back({.id = "pressure_slope_down_Nm_bar",
-                                 .name = "K, strokes down only",
-                                 .unit = "Nm/bar",
-                                 .estimate = down.At(0),
-                                 .published = 0.3587,
-                                 .source = "(5.4)",
-                                 .target_share = 0.02,
-                                 .has_interval = false,
-                                 .remark = "as published"});
-    result.quantities.push_back({.id = "moving_friction_down_Nm",
-                                 .name = "T_dyn, strokes down, gravity assumed",
-                                 .unit = "Nm",
-                                 .estimate = down.At(1),
-                                 .published = 0.22,
-                                 .source = "(5.4)",
-                                 .has_interval = false,
-                                 .remark = "as published; an error of the assumed gravity goes "
-                                           "into it whole"});
-  }
+  AddStrokesDown(pressure, torque_down, acceleration_down, fit, &result);
   result.figures.push_back(report::Chart(
       "Torque against pressure (Fig 5.6)",
       "Mean torque of each stroke, with gravity; lines: (5.4), friction against and with the hand.",

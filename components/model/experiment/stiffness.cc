@@ -2,7 +2,6 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <numbers>
 #include <stdexcept>
 #include <string>
@@ -49,6 +48,45 @@ TrialRows MakeSlopeRows(const Recording& rows, const Play& play, bool valve_open
   return result;
 }
 
+// Where the chamber no longer brings the link back: the force of the way up, extrapolated to 0.
+// passed, stuck: pressures of the pushes after which the link came back, and did not.
+void AddReturnLimit(const Play& play, const std::vector<double>& passed,
+                    const std::vector<double>& stuck, const RigConstants& rig, Result* result) {
+  TrialRows up;
+  for (const Stroke& s : play.strokes) {
+    if (s.direction <= 0 || !s.valve_open) continue;
+    up.Add(static_cast<int>(up.size()),
+           Eigen::Vector3d(1.0, s.mean.pressure_bar, -s.mean.acceleration_rad_s2()),
+           s.mean.force_N * rig.link_length_m);
+  }
+  if (up.size() < 6) return;
+  const TrialFit back = up.Fit();
+  const double zero_bar = -back.b(0) / back.b(1);
+  result->quantities.push_back(
+      {.id = "return_limit_bar",
+       .name = "pressure under which friction wins",
+       .unit = "bar",
+       .estimate = back.Of(zero_bar, Eigen::Vector3d(-1.0, -zero_bar, 0.0) / back.b(1)),
+       .published = 2.0,
+       .source = "Fig 5.9, about"});
+  if (stuck.empty()) return;
+  result->remarks.push_back(
+      report::Text("The link last came back at %.2f bar; from %.2f bar down the secant is 0.",
+                   *std::min_element(passed.begin(), passed.end()),
+                   *std::max_element(stuck.begin(), stuck.end())));
+}
+
+// The way through the play is the same number in every push: its error, from the rounding of the
+// encoder at two contacts, does not average out. Share of the way, 95 %.
+double RoundingShare(const Play& play, const RigConstants& rig) {
+  const double count_rad = types::kTwoPi / rig.encoder_counts;
+  constexpr double kNormal = 1.96;
+  return kNormal *
+         std::hypot(LargestRounding(play.upper_rad2, count_rad),
+                    LargestRounding(play.lower_rad2, count_rad)) /
+         (std::numbers::sqrt2 * (play.upper_rad - play.lower_rad));
+}
+
 }  // namespace
 
 double MeanSlope(const Recording& rows, const Play& play, bool valve_open, double length_m) {
@@ -80,14 +118,7 @@ Result IdentifyStiffness(const Recording& rows, const RigConstants& rig) {
                                 " pushes through the play, expected at least 6");
   }
   const TrialFit fit = rows_of_pushes.Fit();
-  // The way through the play is the same number in every push: its error, from the rounding of the
-  // encoder at two contacts, does not average out.
-  const double count_rad = types::kTwoPi / rig.encoder_counts;
-  constexpr double kNormal = 1.96;
-  const double rounding_share = kNormal *
-                                std::hypot(LargestRounding(play.upper_rad2, count_rad),
-                                           LargestRounding(play.lower_rad2, count_rad)) /
-                                (std::numbers::sqrt2 * width_rad);
+  const double rounding_share = RoundingShare(play, rig);
   const auto with_rounding = [rounding_share](Estimate estimate) {
     estimate.half_width_95 =
         std::hypot(estimate.half_width_95, rounding_share * std::abs(estimate.value));
@@ -106,35 +137,7 @@ Result IdentifyStiffness(const Recording& rows, const RigConstants& rig) {
                                .unit = "Nm/rad/bar",
                                .estimate = with_rounding(fit.At(1))});
 
-  // Where the chamber no longer brings the link back: the force of the way up, extrapolated to 0.
-  TrialRows up;
-  for (const Stroke& s : play.strokes) {
-    if (s.direction <= 0 || !s.valve_open) continue;
-    up.Add(static_cast<int>(up.size()),
-           Eigen::Vector3d(1.0, s.mean.pressure_bar, -s.mean.acceleration_rad_s2()),
-           s.mean.force_N * rig.link_length_m);
-  }
-  if (up.size() >= 6) {
-    const TrialFit back = up.Fit();
-    const double zero_bar = -back.b(0) / back.b(1);
-    result.quantities.push_back(
-        {.id = "return_limit_bar",
-         .name = "pressure under which friction wins",
-         .unit = "bar",
-         .estimate = back.Of(zero_bar, Eigen::Vector3d(-1.0, -zero_bar, 0.0) / back.b(1)),
-         .published = 2.0,
-         .source = "Fig 5.9, about"});
-    double lowest_passed = 1e9, highest_stuck = -1.0;
-    for (const double p : pressure) lowest_passed = std::min(lowest_passed, p);
-    for (const double p : none_pressure) highest_stuck = std::max(highest_stuck, p);
-    char text[160];
-    if (highest_stuck >= 0.0) {
-      std::snprintf(text, sizeof text,
-                    "The link last came back at %.2f bar; from %.2f bar down the secant is 0.",
-                    lowest_passed, highest_stuck);
-      result.remarks.emplace_back(text);
-    }
-  }
+  AddReturnLimit(play, pressure, none_pressure, rig, &result);
 
   // Differential stiffness of the gas, scaled to 6 bar by absolute pressure: -d(torque)/dq.
   for (const bool open : {false, true}) {
