@@ -1,6 +1,7 @@
 #include "components/model/close_loop/close_loop.h"
 
 #include <chrono>
+#include <nlohmann/json.hpp>
 
 #include "components/base/config/config.h"
 #include "components/base/types/json_text.h"
