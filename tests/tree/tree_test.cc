@@ -62,6 +62,7 @@ bool IsTest(const std::string& file) {
 // for its folders participant/ (a process) and file/ (reading and writing).
 const std::map<std::string, std::string> kNotPure = {
     {"components/base/config", "reads and writes files"},
+    {"components/model/close_loop", "reads recordings, writes reports, says how long it took"},
     {"components/robot/estop", "a socket, a file, and the devices that are pressed"},
     {"components/record/logger", "a queue and a thread in front of a file"},
     {"components/base/types/clock", "reads the clock"},

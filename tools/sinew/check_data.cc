@@ -9,41 +9,48 @@
 #include <vector>
 
 #include "components/base/config/config.h"
+#include "components/base/types/json_text.h"
+#include "components/model/close_loop/input.h"
 #include "components/model/report/file/report_file.h"
+#include "components/model/report/file/section_file.h"
 #include "tools/sinew/close_loop.h"
+#include "tools/sinew/shipped.h"
 
 namespace sinew::tools {
 
 namespace {
 
 struct CheckDataOptions {
-  CloseLoopOptions loop;  // model, map, joint, recordings, accepted faults, folder
+  close_loop::Options loop;  // model, map, joint, recordings, accepted faults
+  std::filesystem::path out;
   bool json = false;
 };
 
 void CheckData(const CheckDataOptions& options) {
   const auto start = std::chrono::steady_clock::now();
-  const LoopInput input = LoadLoopInput(options.loop);
-  const actuator::JointModel& joint =
-      input.model.robot.joints[static_cast<std::size_t>(options.loop.joint)];
-  const std::vector<types::Run> runs = ReadJoint(options.loop.train, input.map, options.loop.joint);
+  const close_loop::Input input = close_loop::LoadInput(options.loop);
+  const int number = options.loop.joint.value_or(0);
+  const actuator::JointModel& joint = input.model.robot.joints[static_cast<std::size_t>(number)];
+  const std::vector<types::Run> runs = close_loop::ReadJoint(options.loop.train, input.map, number);
   if (runs.empty()) throw UsageError("no recording of joint " + joint.name);
-  report::DataCheck check{.robot = input.model.robot.name,
-                          .joint = joint.name,
-                          .model_file = input.model_path.string(),
-                          .train = Describe(runs)};
+  report::Report check{.robot = input.model.robot.name,
+                       .joint = joint.name,
+                       .model_file = input.model_path.string(),
+                       .train = close_loop::Described(runs)};
   try {
-    check.gate = AskGate(options.loop, runs, joint);
+    check.gate = close_loop::AskGate(options.loop, runs, joint);
   } catch (const std::invalid_argument& error) {
     throw UsageError(error.what());
   }
   check.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  const std::string json = report::FormatCheckJson(check);
-  const std::filesystem::path& out = options.loop.out;
+  const std::string json = types::JsonText(report::CheckJson(check), 2) + "\n";
+  const std::filesystem::path& out = options.out;
   if (!out.empty()) {
-    const std::vector<report::Picture> pictures = report::MakePictures(check.gate, runs, joint);
-    const std::string html = report::FormatHtml(check, pictures, report::DrawPictures(pictures));
-    MakeFolder(out);
+    const std::string html = report::DrawnHtml(
+        report::MakeCheckPage(check, report::MakePictures(check.gate, runs, joint)));
+    std::error_code error;
+    std::filesystem::create_directories(out, error);
+    if (error) throw UsageError(out.string() + ": " + error.message() + ", expected a folder");
     config::WriteFileAtomically(out / "check.json", json);
     config::WriteFileAtomically(out / "check.html", html);
   }
@@ -67,7 +74,8 @@ void AddCheckDataCommand(CLI::App& app) {
   auto options = std::make_shared<CheckDataOptions>();
   CLI::App* command =
       app.add_subcommand("check-data", "Check recordings before a fit: faults and findings");
-  CloseLoopOptions& loop = options->loop;
+  close_loop::Options& loop = options->loop;
+  loop.rig = RobotsFolder() / "rig";
   command->add_option("recordings", loop.train, "Recordings: CSV or MCAP")->required();
   command->add_option(
       "--model", loop.model,
@@ -75,9 +83,9 @@ void AddCheckDataCommand(CLI::App& app) {
   command->add_option("--map", loop.map,
                       "Mapping of CSV columns (sinew-csv-map/1); csv_map.yaml beside the model by "
                       "default, else the rig's");
-  command->add_option("--joint", loop.joint, "Joint of the model and of the recordings, from 0 on")
-      ->capture_default_str();
-  command->add_option("--out", loop.out, "Folder for check.html and check.json");
+  command->add_option("--joint", loop.joint,
+                      "Joint of the model and of the recordings, from 0 on; 0 by default");
+  command->add_option("--out", options->out, "Folder for check.html and check.json");
   command
       ->add_option("--accept-fault", loop.accepted_faults,
                    "This fault of the data is listed and is no data_fault (docs/data-gate.md); "

@@ -1,365 +1,161 @@
 #include "tools/sinew/close_loop.h"
 
-#include <algorithm>
-#include <chrono>
-#include <cmath>
+#include <CLI/CLI.hpp>
+#include <iostream>
+#include <memory>
 #include <optional>
 
-#include "components/base/config/config.h"
-#include "components/base/types/clock/utc.h"
-#include "components/model/identify/file/processing_file.h"
-#include "components/model/identify/interpolated.h"
-#include "components/model/report/errors.h"
-#include "components/model/report/file/report_file.h"
-#include "components/model/shooting/close_by_simulation.h"
-#include "components/model/trace/close_loop.h"
-#include "components/record/recording/file/recording_path.h"
-#include "components/record/recording/file/run_reader.h"
+#include "components/model/close_loop/close_loop.h"
+#include "components/model/gate/rules.h"
+#include "components/model/trace/rules.h"
 #include "sim/plant/joint_body.h"
+#include "tools/sinew/print_section.h"
+#include "tools/sinew/progress.h"
 #include "tools/sinew/shipped.h"
 
 namespace sinew::tools {
 
 namespace {
 
-namespace fs = std::filesystem;
+constexpr const char* kNoEffect = "none";          // of --effect
+constexpr const char* kSimulation = "simulation";  // of --by
 
-// Everything that follows the angle needs the angle.
-void RequireAngle(const types::Run& run) {
-  using types::Signal;
-  if (run.Has(Signal::kPosition) || run.Has(Signal::kMotorPosition)) return;
-  const bool velocity = run.Has(Signal::kVelocity) || run.Has(Signal::kMotorVelocity);
-  throw UsageError(run.name +
-                   (velocity
-                        ? ": velocity without an angle: its integral drifts and has no zero, so "
-                          "that gravity, springs and lines of the gear cannot be found"
-                        : ": no angle") +
-                   ", expected position or motor_position among the signals of the mapping");
+template <class Rules>
+std::vector<std::string> IdsOf(const Rules& rules) {
+  std::vector<std::string> ids;
+  for (const auto& rule : rules) ids.emplace_back(rule.id);
+  return ids;
+}
+
+void Execute(close_loop::Options options, const std::filesystem::path& out, bool json) {
+  ProgressBar bar("close-loop", "%", 100);
+  options.rig = RobotsFolder() / "rig";
+  options.body = plant::JointAlone();
+  options.progress = [&bar](double share) {
+    bar.Update(static_cast<std::uint64_t>(100.0 * share));
+  };
+  const close_loop::Result result = close_loop::CloseLoop(options);
+  close_loop::Write(result, out);
+  bar.Finish();
+  if (json) {
+    std::cout << result.json;
+    return;
+  }
+  PrintPage(result.page);
+  std::cout << "written: " << (out / "report.html").string() << ", report.json"
+            << (result.assessed ? ", model.yaml" : "")
+            << (result.parts.empty() ? "\n"
+                                     : ", and a report of each joint in a folder of its name\n");
+}
+
+// How the effect is searched for.
+void AddSearchOptions(close_loop::Options* options, CLI::App* command) {
+  command
+      ->add_option_function<std::string>(
+          "--by",
+          [options](const std::string& what) { options->by_simulation = what == kSimulation; },
+          "What a fit compares: the drive's torque with the model's (torque, by default), or the "
+          "angle with a simulated one, for free swings and a joint that sticks and slips")
+      ->check(CLI::IsMember({"torque", kSimulation}));
+  command->add_option("--seed", options->seed, "Seed of the null test's random signs")
+      ->capture_default_str();
+  command
+      ->add_option("--accept-fault", options->accepted_faults,
+                   "Continue in spite of this fault of the data (docs/data-gate.md), with `spike` "
+                   "also with the rows that stand alone; repeatable")
+      ->allow_extra_args(false)
+      ->check(CLI::IsMember(FaultNames()));
+  command->add_flag("--keep-unconfirmed", options->keep_unconfirmed,
+                    "Effects that the held-out recordings neither confirm nor refute go into "
+                    "model.yaml, too");
+  std::vector<std::string> effects = effects::EffectNames();
+  effects.emplace_back(kNoEffect);
+  command
+      ->add_option_function<std::vector<std::string>>(
+          "--effect",
+          [options](const std::vector<std::string>& names) {
+            options->given.emplace(names.begin(), names.end());
+            options->given->erase(kNoEffect);
+          },
+          "Fit this effect without a search for others; repeatable; \"none\": "
+          "the declared terms alone")
+      ->allow_extra_args(false)
+      ->check(CLI::IsMember(effects));
+  command
+      ->add_option_function<std::vector<std::string>>(
+          "--without-rule",
+          [](const std::vector<std::string>& ids) {
+            for (const std::string& id : ids) trace::TakeOut(id);
+          },
+          "Disable a rule (docs/closing-the-loop.md), to measure its effect; repeatable")
+      ->allow_extra_args(false)
+      ->check(CLI::IsMember(IdsOf(trace::AllRules())));
+  command
+      ->add_option_function<std::vector<std::string>>(
+          "--without-effect",
+          [](const std::vector<std::string>& names) {
+            for (const std::string& name : names) trace::TakeOutEffect(name);
+          },
+          "Search as though the catalogue did not have this effect; repeatable")
+      ->allow_extra_args(false)
+      ->check(CLI::IsMember(effects::EffectNames()));
 }
 
 }  // namespace
 
-std::vector<types::Run> ReadJoint(const std::vector<fs::path>& files, const fs::path& map,
-                                  int joint) {
-  std::vector<types::Run> runs;
-  for (const fs::path& file : files) {
-    const bool csv = !recording::ParseRecordingPath(file).IsMcap();
-    for (types::Run& run : recording::ReadRuns(file, csv ? map : fs::path(), joint)) {
-      run.name = fs::path(run.name).filename().string();
-      RequireAngle(run);
-      runs.push_back(identify::WithoutInterpolatedRows(std::move(run)));
-    }
-  }
-  return runs;
-}
+std::vector<std::string> FaultNames() { return IdsOf(gate::Rules()); }
 
-void RequireOtherRows(const std::vector<fs::path>& train, const std::vector<fs::path>& held_out) {
-  for (const fs::path& a : held_out) {
-    const recording::RecordingPath one = recording::ParseRecordingPath(a);
-    for (const fs::path& b : train) {
-      const recording::RecordingPath other = recording::ParseRecordingPath(b);
-      std::error_code error;
-      if (!one.range && !other.range) continue;  // whole files are compared by their samples
-      if (!fs::equivalent(one.file, other.file, error) || error) continue;
-      if (!one.range.value_or(recording::TimeRange{})
-               .Overlaps(other.range.value_or(recording::TimeRange{}))) {
-        continue;
-      }
-      throw UsageError(a.string() + ": held-out range shares rows with " + b.string() +
-                       ", expected one that was not trained on");
-    }
-  }
-}
-
-std::vector<report::Recording> Describe(const std::vector<types::Run>& runs) {
-  std::vector<report::Recording> out;
-  out.reserve(runs.size());
-  for (const types::Run& run : runs) {
-    out.push_back(
-        {run.name, run.content_hash, run.size(), run.time_s[run.size() - 1] - run.time_s[0]});
-  }
-  return out;
-}
-
-namespace {
-
-// A laboratory's rig.json has no processing block: that of the shipped rig is used.
-void CompleteRigJson(actuator::ModelFile* file, const fs::path& path) {
-  if (path.extension() != ".json") return;
-  actuator::ModelFile shipped = actuator::LoadModelFile(ShippedRobotFile("rig/model.yaml"));
-  file->root = shipped.root;
-  file->foreign_text = shipped.foreign_text;
-  file->robot.urdf_path = shipped.robot.urdf_path;
-}
-
-void AddHistory(const report::Report& report, actuator::JointModel* joint) {
-  const trace::TraceResult& trace = report.trace;
-  const std::string when = types::UtcNow();
-  const std::string from = report::NamesOf(report.train);
-  const std::string unit = report::ErrorUnit(trace);
-  if (!report::HasCorrection(trace)) {
-    joint->history.push_back({when, "refit", from,
-                              "declared parameters refitted, no effect added; held-out error " +
-                                  report::Short(trace.before_held_out.rms) + " " + unit});
-  }
-  for (const trace::FoundEffect& effect : trace.effects) {
-    std::string note = "held-out error " + report::ErrorText(effect.held_out_before) + " -> " +
-                       report::ErrorText(effect.held_out_after) + " " +
-                       report::ErrorUnit(trace, effect.balance) + " on " +
-                       report::NamesOf(report.held_out);
-    note += "; " + report::NamedSetText(effect);
-    joint->history.push_back({when, effect.name, from, note});
-  }
-}
-
-// One behind the other, as the data gate examines them.
-std::vector<types::Run> Together(const std::vector<types::Run>& train,
-                                 const std::vector<types::Run>& held_out) {
-  std::vector<types::Run> runs = train;
-  runs.insert(runs.end(), held_out.begin(), held_out.end());
-  return runs;
-}
-
-// The data gate over all recordings; true: it stopped, and the result's pages contain the faults.
-// Otherwise they go on without the rows that it left out.
-bool StopsAtGate(const CloseLoopOptions& options, const actuator::JointModel& joint,
-                 std::vector<types::Run>* train, std::vector<types::Run>* held_out,
-                 CloseLoopResult* out) {
-  const std::vector<types::Run> runs = Together(*train, *held_out);
-  out->gate = options.gate ? *options.gate : AskGate(options, runs, joint);
-  report::Report& report = out->report;
-  report.faults = out->gate.faults;
-  report.findings = out->gate.findings;
-  if (!out->gate.stops()) {
-    if (!options.gate) LeaveOutRows(out->gate.left_out, train, held_out);
-    return false;
-  }
-  const report::DataCheck check{.robot = report.robot,
-                                .joint = joint.name,
-                                .model_file = report.model_file,
-                                .train = report.train,
-                                .held_out = report.held_out,
-                                .gate = out->gate,
-                                .seed = report.seed};
-  const std::vector<report::Picture> pictures = report::MakePictures(out->gate, runs, joint);
-  out->html = report::FormatHtml(check, pictures, report::DrawPictures(pictures));
-  out->json = report::FormatDataFaultJson(check);
-  return true;
-}
-
-// Keys of `processing` that stand alone decide nothing.
-void NoteProcessing(const config::Section& root, const identify::ProcessingOptions& wished,
-                    report::Report* report) {
-  if (!root.Has("processing") || wished.state_cutoff_Hz > 0.0) return;
-  report->findings.push_back(
-      {"processing",
-       "without state_cutoff_Hz the recordings decide how they are processed: of the model file's "
-       "`processing` only longest_gap_s is used",
-       0.0, ""});
-}
-
-// A recording with gaps or shorter than the published processing asks for has no such figures.
-void ReproducePublished(const types::Run& train, const types::Run& held_out,
-                        const actuator::JointModel& joint,
-                        const identify::AsPublishedOptions& published, report::Report* report) {
-  try {
-    report->as_published = identify::RunAsPublished(train, held_out, joint, published);
-  } catch (const std::invalid_argument& error) {
-    report->findings.push_back(
-        {"as_published", std::string("not processed as published: ") + error.what(), 0.0, ""});
-  }
-}
-
-// Each recording beside the models of the rotation that held it out.
-free_run::FreeRunResult FollowRotations(const std::vector<trace::Fold>& folds,
-                                        const std::vector<trace::Rotation>& rotations) {
-  std::vector<free_run::FreeRunResult> parts;
-  for (std::size_t i = 0; i < folds.size(); ++i) {
-    const trace::TraceResult& trace = rotations[i].trace;
-    parts.push_back(free_run::Compare({folds[i].held_out},
-                                      {trace.nominal, trace.declared, trace.corrected},
-                                      rotations[i].processing, plant::JointAlone()));
-  }
-  return free_run::Join(std::move(parts));
-}
-
-}  // namespace
-
-void RequireRotation(const CloseLoopOptions& options, const std::vector<types::Run>& runs) {
-  if (runs.size() > 1) return;
-  const std::string file = options.train.empty() ? runs.front().name : options.train[0].string();
-  if (runs.front().held) {
-    throw UsageError(file +
-                     ": nothing is held out, expected --held-out or further recordings to train on "
-                     "(each is held out once)");
-  }
-  const Eigen::VectorXd& time_s = runs.front().time_s;
-  const std::string middle =
-      report::Short(std::floor(0.7 * (time_s[time_s.size() - 1] - time_s[0])));
-  const std::string whole = file.substr(0, file.find('@'));
-  throw UsageError(
-      "one recording and nothing held out, expected --held-out, further recordings to "
-      "train on (each is held out once), or parts: --train " +
-      whole + "@:" + middle + " --held-out " + whole + "@" + middle + ":");
-}
-
-LoopInput LoadLoopInput(const CloseLoopOptions& options) {
-  LoopInput out;
-  out.model_path = options.model.empty() ? ShippedRobotFile("rig/model.yaml") : options.model;
-  out.map = options.map.empty() ? DefaultCsvMap(out.model_path) : options.map;
-  out.held_out_map = options.held_out_map.empty() ? out.map : options.held_out_map;
-  out.model = actuator::LoadModelFile(out.model_path);
-  CompleteRigJson(&out.model, out.model_path);
-  if (options.joint < 0 || options.joint >= static_cast<int>(out.model.robot.joints.size())) {
-    throw UsageError("--joint " + std::to_string(options.joint) + ": model " +
-                     out.model_path.string() + " has joints 0 to " +
-                     std::to_string(out.model.robot.joints.size() - 1));
-  }
-  return out;
-}
-
-CloseLoopResult CloseLoopOn(const CloseLoopOptions& options, const LoopInput& input,
-                            std::vector<types::Run> train, std::vector<types::Run> held_out) {
-  const auto start = std::chrono::steady_clock::now();
-  const auto progress = [&](const std::string& what, double share) {
-    if (options.progress) options.progress(what, share);
+void AddCloseLoopCommand(CLI::App& app) {
+  struct Arguments {
+    close_loop::Options options;
+    std::filesystem::path out;
+    bool json = false;
   };
-  const auto since_start = [start] {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  };
-  CloseLoopResult out;
-  out.model = input.model;
-  const fs::path& model_path = input.model_path;
-  actuator::JointModel& joint = out.model.robot.joints[static_cast<std::size_t>(options.joint)];
-  const identify::ProcessingOptions wished = identify::ReadProcessing(out.model.root, joint.kind);
-  const std::optional<identify::AsPublishedOptions> published =
-      identify::ReadAsPublished(out.model.root);
-  const bool rotates = options.held_out.empty();
-  if (train.empty() || (held_out.empty() && !rotates)) {
-    throw UsageError("no recording of joint " + std::to_string(options.joint) +
-                     ", expected at least one to train on and one held out");
-  }
-  if (rotates && options.by_simulation) {
-    throw UsageError("--by simulation: nothing is held out, expected --held-out");
-  }
-  if (rotates) RequireRotation(options, train);
-  report::Report& report = out.report;
-  report.robot = out.model.robot.name;
-  report.model_file = model_path.string();
-  const auto describe = [&] {
-    report.train = Describe(train);
-    report.held_out = Describe(rotates ? train : held_out);
-  };
-  describe();
-  report.seed = options.seed;
-  report.given = options.given;
-  try {
-    trace::RequireHeldOut(train, held_out);
-    // A mapping without the drive is a mistake of the command, no fault of the data.
-    for (const auto* runs : {&train, &held_out}) {
-      for (const types::Run& run : *runs) run.At(identify::DriveSignal(joint));
-    }
-    progress("looking at the data", 0.01);
-    if (StopsAtGate(options, joint, &train, &held_out, &out)) return out;
-    describe();
-    NoteProcessing(out.model.root, wished, &report);
-    trace::TraceOptions trace_options;
-    trace_options.seed = options.seed;
-    trace_options.agreed = options.given;
-    trace_options.keep_refuted = options.given.has_value();
-    trace_options.keep_unconfirmed = options.keep_unconfirmed || options.given;
-    trace_options.searches = options.searches;
-    trace_options.held_out_error = options.held_out_error;
-    trace_options.progress = progress;
-    // That of an arm is for the common fit of its joints.
-    const bool of_arm = joint.Find("rigid_body") >= 0;
-    if (!of_arm && wished.state_cutoff_Hz > 0.0) trace_options.processing = wished;
-    trace::LoopResult loop;
-    std::vector<trace::Fold> folds = options.folds;
-    if (options.by_simulation) {
-      loop = shooting::CloseBySimulation(train, held_out, joint, wished.longest_gap_s,
-                                         trace_options, plant::JointAlone());
-    } else if (rotates) {
-      if (folds.empty()) folds = trace::LeaveOneOut(train, joint);
-      trace::RotatedLoop rotated =
-          trace::RotateLoop(folds, train, joint, wished.longest_gap_s, trace_options);
-      loop = std::move(rotated.all);
-      report.rotations = std::move(rotated.rotations);
-    } else {
-      loop = trace::CloseLoop(train, held_out, joint, wished.longest_gap_s, trace_options);
-    }
-    report.processing = loop.processing;
-    report.trace = std::move(loop.trace);
-    if (report.trace.too_little) {
-      report.seconds = since_start();
-      out.html = report::FormatTooLittleHtml(report);
-      out.json = report::FormatTooLittleJson(report);
-      return out;
-    }
-    progress("simulation beside the held-out recordings", 0.97);
-    if (rotates) {
-      report.free_run = FollowRotations(folds, report.rotations);
-    } else {
-      report.free_run = free_run::Compare(
-          held_out, {report.trace.nominal, report.trace.declared, report.trace.corrected},
-          report.processing, plant::JointAlone());
-    }
-    if (published && !rotates)
-      ReproducePublished(train.front(), held_out.front(), joint, *published, &report);
-    report.seconds = since_start();
-    const std::vector<report::Picture> pictures =
-        report::MakePictures(report, *loop.train, *loop.held_out);
-    out.html = report::FormatHtml(report, pictures, report::DrawPictures(pictures));
-    out.json = report::FormatJson(report);
-  } catch (const std::invalid_argument& error) {
-    throw UsageError(error.what());
-  }
-  const std::vector<actuator::HistoryEntry> history = joint.history;
-  joint = report.trace.corrected;
-  joint.history = history;
-  AddHistory(report, &joint);
-  return out;
-}
-
-gate::GateReport AskGate(const CloseLoopOptions& options, const std::vector<types::Run>& runs,
-                         const actuator::JointModel& joint) {
-  return gate::ExamineData(
-      runs, joint, {.accepted = {options.accepted_faults.begin(), options.accepted_faults.end()}});
-}
-
-void LeaveOutRows(const std::vector<gate::LeftOut>& left_out, std::vector<types::Run>* train,
-                  std::vector<types::Run>* held_out) {
-  std::vector<types::Run> runs = gate::WithoutRows(Together(*train, *held_out), left_out);
-  const auto middle = runs.begin() + static_cast<std::ptrdiff_t>(train->size());
-  held_out->assign(middle, runs.end());
-  train->assign(runs.begin(), middle);
-}
-
-void MakeFolder(const fs::path& folder) {
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (error) throw UsageError(folder.string() + ": " + error.message() + ", expected a folder");
-}
-
-CloseLoopResult RunCloseLoop(const CloseLoopOptions& options) {
-  const LoopInput input = LoadLoopInput(options);
-  const actuator::JointModel& joint =
-      input.model.robot.joints[static_cast<std::size_t>(options.joint)];
-  if (joint.Find("rigid_body") >= 0) {
-    throw UsageError(input.model_path.string() + ": joint '" + joint.name +
-                     "' is part of an arm, expected all its joints to be fitted together");
-  }
-  RequireOtherRows(options.train, options.held_out);
-  if (options.progress) options.progress("reading recordings", 0.0);
-  CloseLoopResult out =
-      CloseLoopOn(options, input, ReadJoint(options.train, input.map, options.joint),
-                  ReadJoint(options.held_out, input.held_out_map, options.joint));
-  if (options.out.empty()) return out;
-  MakeFolder(options.out);
-  if (out.assessed()) actuator::SaveModelFile(options.out / "model.yaml", out.model);
-  config::WriteFileAtomically(options.out / "report.json", out.json);
-  config::WriteFileAtomically(options.out / "report.html", out.html);
-  return out;
+  auto arguments = std::make_shared<Arguments>();
+  CLI::App* command =
+      app.add_subcommand("close-loop", "Find the effect that a model lacks, from recordings");
+  close_loop::Options& options = arguments->options;
+  command->add_option(
+      "--model", options.model,
+      "Model file (sinew-model/1) or a laboratory's rig.json; the rig's by default");
+  command->add_option("--map", options.map,
+                      "Mapping of CSV columns (sinew-csv-map/1); csv_map.yaml beside the model by "
+                      "default, else the rig's");
+  command->add_option("--held-out-map,--sealed-map", options.held_out_map,
+                      "Mapping of the held-out CSV files where it is another one");
+  command
+      ->add_option("--train", options.train,
+                   "Recordings to learn from: CSV or MCAP, FILE or FILE@START:END (seconds)")
+      ->required();
+  command->add_option(
+      "--held-out,--sealed", options.held_out,
+      "Recordings for confirmation, never used for a fit; FILE or FILE@START:END. Without "
+      "any, each of several training recordings is held out once");
+  command->add_option("--out", arguments->out, "Folder for report.html, report.json and model.yaml")
+      ->required();
+  command->add_option("--joint", options.joint,
+                      "Joint of the model, of an MCAP recording and of the mapping's \"{joint}\", "
+                      "from 0 on; all joints of the model when left out");
+  command->add_option("--urdf", options.urdf,
+                      "Rigid bodies of an arm; what the model file names by default");
+  AddSearchOptions(&options, command);
+  command->add_flag("--json", arguments->json, "Print the report as JSON");
+  command->footer(
+      "Fits the declared terms, searches the catalogue (`sinew effects`) for the effects that "
+      "explain the\nresidual, adds the confirmed ones and reports the errors before and after. "
+      "World and control load\nmodel.yaml unchanged.\n\nExamples:\n"
+      "  sinew close-loop --train train_1.csv train_2.csv --held-out test.csv --out found\n"
+      "  sinew close-loop --train monday.csv tuesday.csv wednesday.csv --out found\n"
+      "  sinew close-loop --train day.csv@:60 --held-out day.csv@60: --out found\n"
+      "  sinew close-loop --model robots/emps/model.yaml --map robots/emps/csv_map.yaml \\\n"
+      "    --train DATA_EMPS.csv --held-out DATA_EMPS_PULSES.csv --out found\n"
+      "  sinew close-loop --by simulation --model robots/dfki_pendulum/model.yaml \\\n"
+      "    --train energy_shaping_measured.csv@:12 --held-out energy_shaping_measured.csv@12: "
+      "--out found\n"
+      "  sinew close-loop --model robots/biped/model.yaml --train run_1.mcap --held-out run_2.mcap "
+      "\\\n"
+      "    --out found                       # payload and friction of a robot on two feet");
+  command->callback([arguments] { Execute(arguments->options, arguments->out, arguments->json); });
 }
 
 }  // namespace sinew::tools

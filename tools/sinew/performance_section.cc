@@ -16,9 +16,8 @@ using performance::Energies;
 using performance::SettleResult;
 using report::Short;
 
-constexpr std::size_t kMostCurves = 4;   // as many as there are colours of series
-constexpr std::size_t kMostRows = 2500;  // of a picture
-constexpr int kPerformancePicture_px = 320;
+constexpr std::size_t kMostCurves = 4;  // as many as there are colours of series
+constexpr int kPanel_px = 224;
 
 const char* LengthUnit(const MeasuredSession& m, std::size_t joint) {
   return m.config.linear[joint] ? "m" : "rad";
@@ -79,27 +78,20 @@ std::vector<std::size_t> LargestCurves(const MeasuredSession& m) {
 
 report::Picture SlidingErrors(const MeasuredSession& m) {
   const std::vector<std::size_t> joints = LargestCurves(m);
-  std::string script = report::PictureHead(kPerformancePicture_px) + "$d << EOD\n";
-  const std::size_t stride = 1 + m.time_s.size() / kMostRows;
-  for (std::size_t i = 0; i < m.time_s.size(); i += stride) {
-    script += report::PictureNumber(m.time_s[i]);
-    for (const std::size_t j : joints) {
-      const double rms = m.rms_rad[i][j];
-      script += std::isfinite(rms) ? " " + report::PictureNumber(rms) : " NaN";
-    }
-    script += "\n";
+  report::Panel panel = {"sliding RMSE, " + std::string(LengthUnit(m, joints.front())), {}, "0:*"};
+  for (const std::size_t j : joints) {
+    report::Series series = {m.config.joint_names[j],
+                             report::kSeriesColours[panel.series.size()],
+                             m.time_s,
+                             {},
+                             "lines lw 2"};
+    for (const auto& rms : m.rms_rad) series.y.push_back(rms[j]);
+    panel.series.push_back(std::move(series));
   }
-  script += "EOD\nset xlabel 'time, s'\nset ylabel 'sliding RMSE, " +
-            std::string(LengthUnit(m, joints.front())) + "'\nset yrange [0:*]\nplot ";
-  for (std::size_t i = 0; i < joints.size(); ++i) {
-    script += (i == 0 ? "$d" : ", $d") + std::string(" using 1:") + std::to_string(i + 2) +
-              " with lines lw 2 lc rgb '" + report::kSeriesColours[i] + "' title '" +
-              m.config.joint_names[joints[i]] + "' noenhanced";
-  }
-  return {"Sliding RMSE",
-          "Over " + Short(m.config.robot.joints.front().window_s) +
-              " s (7.7), of the joints with the largest.",
-          script + "\n"};
+  return report::Chart("Sliding RMSE",
+                       "Over " + Short(m.config.robot.joints.front().window_s) +
+                           " s (7.7), of the joints with the largest.",
+                       "time, s", kPanel_px, {std::move(panel)});
 }
 
 }  // namespace

@@ -1,4 +1,6 @@
 #include <algorithm>
+#include <functional>
+#include <iterator>
 #include <nlohmann/json.hpp>
 
 #include "tools/tune_robot/tune_section.h"
@@ -64,74 +66,53 @@ constexpr EnergySeries kEnergySeries[] = {
     {"electrical, drawn", report::kBeforeColour, [](const auto& p) { return p.drawn_J; }},
 };
 
-// Energies over the pressure, the rigid robot's as level lines.
-report::Picture EnergyPicture(const std::vector<PressurePoint>& points) {
-  report::Picture picture;
-  picture.title = "Energies of the motion over the pressure";
-  picture.caption = "Points: SEA-PEA actuators. Lines: rigid actuators.";
-  picture.script = report::PictureHead(420) + "$points << EOD\n";
+// A figure over the pressure; that of the rigid robot as a level line.
+void AddLines(const std::vector<PressurePoint>& points, const std::string& name, const char* colour,
+              const std::function<double(const PressurePoint&)>& figure,
+              std::vector<report::Series>* out) {
+  report::Series curve = {name, colour, {}, {}, "linespoints pt 7 ps 0.7 lw 2"};
   for (const PressurePoint& point : points) {
     if (!point.pressure_bar || !point.stands()) continue;
-    picture.script += PictureNumber(*point.pressure_bar);
-    for (const EnergySeries& series : kEnergySeries) {
-      picture.script += " " + PictureNumber(series.of(point.trial.performance));
-    }
-    picture.script += "\n";
+    curve.x.push_back(*point.pressure_bar);
+    curve.y.push_back(figure(point));
   }
-  picture.script +=
-      "EOD\nset xlabel 'pressure, bar'\nset ylabel 'energy, J'\nset yrange [0:]\nplot ";
-  int column = 2;
+  if (points.front().stands() && !curve.x.empty()) {
+    const double rigid = figure(points.front());
+    out->push_back(
+        {"", colour, {curve.x.front(), curve.x.back()}, {rigid, rigid}, "lines dt 2 lw 1.2"});
+  }
+  out->push_back(std::move(curve));
+}
+
+report::Picture EnergyPicture(const std::vector<PressurePoint>& points) {
+  std::vector<report::Series> lines;
   for (const EnergySeries& series : kEnergySeries) {
-    const std::string colour = std::string(" linecolor rgb '") + series.colour + "'";
-    if (column > 2) picture.script += ", ";
-    picture.script += "$points using 1:" + std::to_string(column++) +
-                      " with linespoints pointtype 7 pointsize 0.7 linewidth 2" + colour +
-                      " title '" + series.name + "'";
-    if (points.front().stands()) {
-      picture.script += ", " + PictureNumber(series.of(points.front().trial.performance)) +
-                        " with lines dashtype 2 linewidth 1.2" + colour + " notitle";
-    }
+    AddLines(
+        points, series.name, series.colour,
+        [&](const PressurePoint& point) { return series.of(point.trial.performance); }, &lines);
   }
-  picture.script += "\n";
-  return picture;
+  return report::Chart("Energies of the motion over the pressure",
+                       "Points: SEA-PEA actuators. Lines: rigid actuators.", "pressure, bar", 324,
+                       {{"energy, J", std::move(lines), "0:"}});
 }
 
 report::Picture PeakPicture(const PressureSweepConfig& config,
                             const std::vector<PressurePoint>& points) {
-  report::Picture picture;
-  picture.title = "Peak torque of the drives over the pressure";
-  picture.caption =
-      "Joints with a pneumatic element. Points: SEA-PEA actuators. Lines: rigid ones.";
   const std::vector<std::size_t> pneumatic = PneumaticJoints(config.elastic.robot.model);
-  std::vector<PeakGroup> groups = PeakGroups(config);
-  std::erase_if(groups, [&pneumatic](const PeakGroup& group) {
-    return std::find(pneumatic.begin(), pneumatic.end(), group.joints.front()) == pneumatic.end();
-  });
-  picture.script = report::PictureHead(360) + "$points << EOD\n";
-  for (const PressurePoint& point : points) {
-    if (!point.pressure_bar || !point.stands()) continue;
-    picture.script += PictureNumber(*point.pressure_bar);
-    for (const PeakGroup& group : groups) {
-      picture.script += " " + PictureNumber(PeakOf(group, point));
+  std::vector<report::Series> lines;
+  std::size_t number = 0;
+  for (const PeakGroup& group : PeakGroups(config)) {
+    if (std::find(pneumatic.begin(), pneumatic.end(), group.joints.front()) == pneumatic.end()) {
+      continue;
     }
-    picture.script += "\n";
+    AddLines(
+        points, group.name, report::kSeriesColours[number++ % std::size(report::kSeriesColours)],
+        [&](const PressurePoint& point) { return PeakOf(group, point); }, &lines);
   }
-  picture.script +=
-      "EOD\nset xlabel 'pressure, bar'\nset ylabel 'peak torque, N m'\nset yrange [0:]\nplot ";
-  for (std::size_t g = 0; g < groups.size(); ++g) {
-    const std::string colour = std::string(" linecolor rgb '") +
-                               report::kSeriesColours[g % std::size(report::kSeriesColours)] + "'";
-    if (g > 0) picture.script += ", ";
-    picture.script += "$points using 1:" + std::to_string(g + 2) +
-                      " with linespoints pointtype 7 pointsize 0.7 linewidth 2" + colour +
-                      " title '" + groups[g].name + "'";
-    if (points.front().stands()) {
-      picture.script += ", " + PictureNumber(PeakOf(groups[g], points.front())) +
-                        " with lines dashtype 2 linewidth 1.2" + colour + " notitle";
-    }
-  }
-  picture.script += "\n";
-  return picture;
+  return report::Chart(
+      "Peak torque of the drives over the pressure",
+      "Joints with a pneumatic element. Points: SEA-PEA actuators. Lines: rigid ones.",
+      "pressure, bar", 264, {{"peak torque, N m", std::move(lines), "0:"}});
 }
 
 std::string OutcomeOf(const PressurePoint& point) {

@@ -48,36 +48,8 @@ Rounding RoundingOf(const std::vector<double>& variance_rad2, double lowest_Nm, 
           kNormal * largest_deg * std::numbers::sqrt2 / span_Nm};
 }
 
-}  // namespace
-
-BacklashProtocol::BacklashProtocol(const BacklashPlan& plan) : plan_(plan) {
-  if (plan.trials < 1 || !(plan.period_s > 0.0) || !(plan.motor_torque_Nm > 0.0) ||
-      !(plan.second_motor_torque_Nm > 0.0)) {
-    throw std::invalid_argument("backlash: trials, period and torques must be positive");
-  }
-}
-
-Start BacklashProtocol::start() const { return {.pressure_bar = plan_.pressure_bar}; }
-
-Command BacklashProtocol::Step(const Reading& reading) noexcept {
-  Command command;
-  const double periods = reading.time_s / plan_.period_s;
-  const int trial = static_cast<int>(periods);
-  if (trial >= plan_.trials) {
-    done_ = true;
-    return command;
-  }
-  const double torque_Nm = trial % 2 == 0 ? plan_.motor_torque_Nm : plan_.second_motor_torque_Nm;
-  command.drive = types::ControlMode::kTorque;
-  command.motor_torque_Nm = periods - trial < 0.5 ? torque_Nm : -torque_Nm;
-  command.hand_force_N = std::clamp(plan_.hand_N_rad * reading.output_angle_rad +
-                                        plan_.hand_N_s_rad * reading.output_velocity_rad_s,
-                                    -kLargestHand_N, kLargestHand_N);
-  return command;
-}
-
-Result IdentifyBacklash(const Recording& rows, const RigConstants& rig) {
-  // Half periods: stretches of one sign of the current.
+// Half periods: stretches of one sign of the current.
+std::vector<Half> HalvesOf(const Recording& rows, const RigConstants& rig) {
   std::vector<Half> halves;
   int side = 0;
   for (const Row& row : rows) {
@@ -109,6 +81,39 @@ Result IdentifyBacklash(const Recording& rows, const RigConstants& rig) {
   }
   // A trial is a half up and the half down after it; what held the link before is neither.
   std::erase_if(halves, [](const Half& h) { return h.end_s - h.start_s < kShortestHalf_s; });
+  return halves;
+}
+
+}  // namespace
+
+BacklashProtocol::BacklashProtocol(const BacklashPlan& plan) : plan_(plan) {
+  if (plan.trials < 1 || !(plan.period_s > 0.0) || !(plan.motor_torque_Nm > 0.0) ||
+      !(plan.second_motor_torque_Nm > 0.0)) {
+    throw std::invalid_argument("backlash: trials, period and torques must be positive");
+  }
+}
+
+Start BacklashProtocol::start() const { return {.pressure_bar = plan_.pressure_bar}; }
+
+Command BacklashProtocol::Step(const Reading& reading) noexcept {
+  Command command;
+  const double periods = reading.time_s / plan_.period_s;
+  const int trial = static_cast<int>(periods);
+  if (trial >= plan_.trials) {
+    done_ = true;
+    return command;
+  }
+  const double torque_Nm = trial % 2 == 0 ? plan_.motor_torque_Nm : plan_.second_motor_torque_Nm;
+  command.drive = types::ControlMode::kTorque;
+  command.motor_torque_Nm = periods - trial < 0.5 ? torque_Nm : -torque_Nm;
+  command.hand_force_N = std::clamp(plan_.hand_N_rad * reading.output_angle_rad +
+                                        plan_.hand_N_s_rad * reading.output_velocity_rad_s,
+                                    -kLargestHand_N, kLargestHand_N);
+  return command;
+}
+
+Result IdentifyBacklash(const Recording& rows, const RigConstants& rig) {
+  const std::vector<Half> halves = HalvesOf(rows, rig);
   std::vector<double> published_deg, width_deg, torque_Nm, variance_rad2;
   for (std::size_t i = 0; i + 1 < halves.size(); ++i) {
     const Half& up = halves[i];
@@ -127,9 +132,8 @@ Result IdentifyBacklash(const Recording& rows, const RigConstants& rig) {
     torque_Nm.push_back(std::abs(up.sum_torque_Nm / up.rows) +
                         std::abs(down.sum_torque_Nm / down.rows));
   }
-  const auto n = static_cast<Eigen::Index>(width_deg.size());
-  if (n < 4) {
-    throw std::invalid_argument("backlash: " + std::to_string(n) +
+  if (width_deg.size() < 4) {
+    throw std::invalid_argument("backlash: " + std::to_string(width_deg.size()) +
                                 " whole periods in the recording, expected at least 4");
   }
   const auto [lowest, highest] = std::minmax_element(torque_Nm.begin(), torque_Nm.end());
@@ -137,16 +141,11 @@ Result IdentifyBacklash(const Recording& rows, const RigConstants& rig) {
     throw std::invalid_argument(
         "backlash: all trials have the same torque, expected two to separate play from compliance");
   }
-  Eigen::MatrixXd X(n, 2);
-  Eigen::VectorXd y(n);
-  std::vector<int> trial;
-  for (Eigen::Index i = 0; i < n; ++i) {
-    const auto k = static_cast<std::size_t>(i);
-    X.row(i) << 1.0, torque_Nm[k];
-    y(i) = width_deg[k];
-    trial.push_back(static_cast<int>(i));
+  TrialRows trials;
+  for (std::size_t k = 0; k < width_deg.size(); ++k) {
+    trials.Add(static_cast<int>(k), Eigen::Vector2d(1.0, torque_Nm[k]), width_deg[k]);
   }
-  const TrialFit fit = FitTrials(X, y, trial);
+  const TrialFit fit = trials.Fit();
   const Rounding rounding = RoundingOf(variance_rad2, *lowest, *highest, rig);
   Estimate play = fit.At(0), compliance = fit.At(1);
   play.half_width_95 = std::hypot(play.half_width_95, rounding.play_deg);
@@ -174,25 +173,23 @@ Result IdentifyBacklash(const Recording& rows, const RigConstants& rig) {
                         .name = "compliance of the contact",
                         .unit = "degrees/Nm",
                         .estimate = compliance}};
-  Figure figure{.title = "Difference of motor angle / N and link angle (Fig 5.1)",
-                .caption = "The first trials. Plateaus are the two contacts.",
-                .x_label = "time, s",
-                .y_label = "difference, degrees",
-                .series = {{.name = "motor/N - link", .line = true}}};
+  report::Series difference{.name = "motor/N - link"};
   const double begin_s = halves.empty() ? 0.0 : halves.front().start_s;
   for (const Row& row : rows) {
     if (row.time_s < begin_s || row.time_s > begin_s + 12.5) continue;
-    figure.series[0].x.push_back(row.time_s - begin_s);
-    figure.series[0].y.push_back((row.motor_angle_rad / rig.gear_ratio - row.output_angle_rad) /
-                                 types::kDegree_rad);
+    difference.x.push_back(row.time_s - begin_s);
+    difference.y.push_back((row.motor_angle_rad / rig.gear_ratio - row.output_angle_rad) /
+                           types::kDegree_rad);
   }
-  result.figures.push_back(std::move(figure));
-  Figure trials{.title = "Play by trial",
-                .caption = "Each trial's difference of contacts, at its torque at the teeth.",
-                .x_label = "torque of both contacts, N m",
-                .y_label = "difference of contacts, degrees",
-                .series = {{.name = "trials", .x = torque_Nm, .y = width_deg}}};
-  result.figures.push_back(std::move(trials));
+  result.figures = {
+      report::Chart("Difference of motor angle / N and link angle (Fig 5.1)",
+                    "The first trials. Plateaus are the two contacts.", "time, s", kFigure_px,
+                    {{"difference, degrees", {std::move(difference)}}}),
+      report::Chart("Play by trial",
+                    "Each trial's difference of contacts, at its torque at the teeth.",
+                    "torque of both contacts, N m", kFigure_px,
+                    {{"difference of contacts, degrees",
+                      {{.name = "trials", .x = torque_Nm, .y = width_deg, .style = kPoints}}}})};
   return result;
 }
 

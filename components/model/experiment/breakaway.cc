@@ -220,19 +220,15 @@ Result IdentifyBreakaway(const std::vector<Breakaway>& trials, const RigConstant
                                 std::to_string(by_angle.size()) +
                                 " angles, expected at least 4 at 2 angles");
   }
-  Eigen::MatrixXd X(n, 2);
-  Eigen::VectorXd y(n);
-  std::vector<int> trial;
+  TrialRows of_trials;
   double rate_Nm_s = 0.0, row_s = 0.0;
-  for (Eigen::Index i = 0; i < n; ++i) {
-    const Breakaway& t = trials[static_cast<std::size_t>(i)];
-    X.row(i) << 1.0, -std::cos(t.angle_rad);
-    y(i) = t.force_N * rig.link_length_m;
-    trial.push_back(static_cast<int>(i));
+  for (const Breakaway& t : trials) {
+    of_trials.Add(static_cast<int>(of_trials.size()), Eigen::Vector2d(1.0, -std::cos(t.angle_rad)),
+                  t.force_N * rig.link_length_m);
     rate_Nm_s += t.rate_N_s * rig.link_length_m / static_cast<double>(n);
     row_s += t.row_s / static_cast<double>(n);
   }
-  const TrialFit fit = FitTrials(X, y, trial);
+  const TrialFit fit = of_trials.Fit();
   Estimate friction = fit.At(0);
   // The instant of breaking away is known to one row: a bias of the force, not of its slope.
   friction.half_width_95 = std::hypot(friction.half_width_95, std::abs(rate_Nm_s) * row_s);
@@ -252,23 +248,11 @@ Result IdentifyBreakaway(const std::vector<Breakaway>& trials, const RigConstant
                         .published = 0.58,
                         .source = "(5.2)",
                         .target_share = 0.05}};
-  ResultTable table{
+  report::Table table{
       .title = "Torque at the load cell to start moving (Fig 5.2)",
       .header = {"angle, degrees", "trials", "mean, Nm", "sd, Nm", "with gravity, Nm"}};
-  Figure measured{.title = "Torque to start rotating the shaft (Fig 5.2)",
-                  .caption =
-                      "Mean and standard deviation at each angle; line: static friction "
-                      "less gravity, fitted.",
-                  .x_label = "angle, degrees",
-                  .y_label = "torque at the load cell, N m",
-                  .series = {{.name = "measured"}, {.name = "fit", .line = true}},
-                  .bars = true};
-  Figure total{.title = "With gravity (Fig 5.3)",
-               .caption = "Load cell plus fitted gravity: flat, where (5.1) and (5.2) hold.",
-               .x_label = "angle, degrees",
-               .y_label = "total torque, N m",
-               .series = {{.name = "measured + gravity"}},
-               .bars = true};
+  report::Series measured{.name = "measured", .style = kBars}, fitted{.name = "fit"};
+  report::Series total{.name = "measured + gravity", .style = kBars};
   for (const auto& [angle_deg, values] : by_angle) {
     const double mean = identify::Mean(values), sd = identify::StandardDeviation(values);
     const double with_gravity = mean + fit.b(1) * std::cos(angle_deg * types::kDegree_rad);
@@ -278,19 +262,27 @@ Result IdentifyBreakaway(const std::vector<Breakaway>& trials, const RigConstant
     std::snprintf(text[2], sizeof text[2], "%.4f", with_gravity);
     table.rows.push_back(
         {std::to_string(angle_deg), std::to_string(values.size()), text[0], text[1], text[2]});
-    measured.series[0].x.push_back(angle_deg);
-    measured.series[0].y.push_back(mean);
-    measured.series[0].z.push_back(sd);
-    total.series[0].x.push_back(angle_deg);
-    total.series[0].y.push_back(with_gravity);
-    total.series[0].z.push_back(sd);
+    measured.x.push_back(angle_deg);
+    measured.y.push_back(mean);
+    measured.spread.push_back(sd);
+    total.x.push_back(angle_deg);
+    total.y.push_back(with_gravity);
+    total.spread.push_back(sd);
   }
   for (int angle_deg = -90; angle_deg <= 90; angle_deg += 3) {
-    measured.series[1].x.push_back(angle_deg);
-    measured.series[1].y.push_back(fit.b(0) - fit.b(1) * std::cos(angle_deg * types::kDegree_rad));
+    fitted.x.push_back(angle_deg);
+    fitted.y.push_back(fit.b(0) - fit.b(1) * std::cos(angle_deg * types::kDegree_rad));
   }
   result.tables.push_back(std::move(table));
-  result.figures = {std::move(measured), std::move(total)};
+  result.figures = {
+      report::Chart("Torque to start rotating the shaft (Fig 5.2)",
+                    "Mean and standard deviation at each angle; line: static friction less "
+                    "gravity, fitted.",
+                    "angle, degrees", kFigure_px,
+                    {{"torque at the load cell, N m", {std::move(measured), std::move(fitted)}}}),
+      report::Chart("With gravity (Fig 5.3)",
+                    "Load cell plus fitted gravity: flat, where (5.1) and (5.2) hold.",
+                    "angle, degrees", kFigure_px, {{"total torque, N m", {std::move(total)}}})};
   return result;
 }
 

@@ -53,19 +53,31 @@ Span AngleSpan(const Recording& rows) {
   return {identify::Quantile(angles, 0.02), identify::Quantile(angles, 0.98)};
 }
 
-Series Take(const Recording& rows, const std::string& name, double (*get)(const Row&)) {
-  Series series{.name = name, .line = true};
-  const std::size_t step = std::max<std::size_t>(1, rows.size() / 4000);
-  for (std::size_t i = 0; i < rows.size(); i += step) {
-    series.x.push_back(rows[i].time_s - rows.front().time_s);
-    series.y.push_back(get(rows[i]));
+report::Picture TimeFigure(const Recording& rows, const std::string& title,
+                           const std::string& label, double (*get)(const Row&)) {
+  report::Series series;
+  for (const Row& row : rows) {
+    series.x.push_back(row.time_s - rows.front().time_s);
+    series.y.push_back(get(row));
   }
-  return series;
+  return report::Chart(title, "", "time, s", kFigure_px, {{label, {std::move(series)}}});
 }
 
-Figure TimeFigure(const Recording& rows, const std::string& title, const std::string& label,
-                  double (*get)(const Row&)) {
-  return {.title = title, .x_label = "time, s", .y_label = label, .series = {Take(rows, "", get)}};
+// Fig 5.7: a point for each row, in space.
+report::Picture SpaceFigure(const Recording& set, double length_m) {
+  report::Picture out = {"Torque, pressure and angle (Fig 5.7)", "",
+                         report::PictureHead(480) +
+                             "set xlabel 'angle, degrees'\nset ylabel 'pressure, bar'\n"
+                             "set zlabel 'torque, N m' rotate\nset view 62,40\n$d << EOD\n"};
+  const std::size_t step = std::max<std::size_t>(1, set.size() / 2500);
+  for (std::size_t i = 0; i < set.size(); i += step) {
+    out.script += report::PictureNumber(set[i].output_angle_rad / types::kDegree_rad) + " " +
+                  report::PictureNumber(set[i].chamber_pressure_bar) + " " +
+                  report::PictureNumber(set[i].load_force_N * length_m) + "\n";
+  }
+  out.script += std::string("EOD\nsplot $d with points pt 7 ps 0.2 lc rgb '") +
+                report::kMeasuredColour + "' notitle\n";
+  return out;
 }
 
 }  // namespace
@@ -210,35 +222,22 @@ Result DescribeSea(const Recording& rows, const RigConstants& rig) {
        .unit = "J",
        .estimate = MeanOfTrials(loss_J),
        .remark = "area of the loop of Fig 5.8: friction, and impacts of the teeth"}};
-  result.figures.push_back(TimeFigure(rows, "Pressure (Fig 5.5)", "pressure, bar",
-                                      [](const Row& r) { return r.chamber_pressure_bar; }));
-  result.figures.push_back(TimeFigure(rows, "Force on the link (Fig 5.5)", "force, N",
-                                      [](const Row& r) { return r.load_force_N; }));
-  result.figures.push_back(
-      TimeFigure(rows, "Link angle (Fig 5.5)", "angle, degrees",
-                 [](const Row& r) { return r.output_angle_rad / types::kDegree_rad; }));
-  Figure space{.title = "Torque, pressure and angle (Fig 5.7)",
-               .x_label = "angle, degrees",
-               .y_label = "pressure, bar",
-               .z_label = "torque, N m",
-               .series = {{.name = ""}}};
-  const std::size_t step = std::max<std::size_t>(1, set.size() / 4000);
-  for (std::size_t i = 0; i < set.size(); i += step) {
-    space.series[0].x.push_back(set[i].output_angle_rad / types::kDegree_rad);
-    space.series[0].y.push_back(set[i].chamber_pressure_bar);
-    space.series[0].z.push_back(set[i].load_force_N * rig.link_length_m);
-  }
-  result.figures.push_back(std::move(space));
-  Figure loop{.title = "One cycle near 4 bar (Fig 5.8)",
-              .caption = "Torque against angle: the area is what friction and impacts took.",
-              .x_label = "angle, degrees",
-              .y_label = "torque, N m",
-              .series = {{.name = "", .line = true}}};
+  report::Series loop;
   for (std::size_t i = at_4_bar->first; i <= at_4_bar->last; ++i) {
-    loop.series[0].x.push_back(set[i].output_angle_rad / types::kDegree_rad);
-    loop.series[0].y.push_back(set[i].load_force_N * rig.link_length_m);
+    loop.x.push_back(set[i].output_angle_rad / types::kDegree_rad);
+    loop.y.push_back(set[i].load_force_N * rig.link_length_m);
   }
-  result.figures.push_back(std::move(loop));
+  result.figures = {
+      TimeFigure(rows, "Pressure (Fig 5.5)", "pressure, bar",
+                 [](const Row& r) { return r.chamber_pressure_bar; }),
+      TimeFigure(rows, "Force on the link (Fig 5.5)", "force, N",
+                 [](const Row& r) { return r.load_force_N; }),
+      TimeFigure(rows, "Link angle (Fig 5.5)", "angle, degrees",
+                 [](const Row& r) { return r.output_angle_rad / types::kDegree_rad; }),
+      SpaceFigure(set, rig.link_length_m),
+      report::Chart("One cycle near 4 bar (Fig 5.8)",
+                    "Torque against angle: the area is what friction and impacts took.",
+                    "angle, degrees", kFigure_px, {{"torque, N m", {std::move(loop)}}})};
   return result;
 }
 

@@ -23,6 +23,90 @@ constexpr double kSlow_rad_s = 15.0;   // rows slower than this are left out of 
 constexpr double kCoupled_rad = 0.01;  // the output moved
 constexpr double kShortest_s = 8.0;
 
+void RequireUncoupled(const Recording& rows) {
+  double lowest_rad = 1e9, highest_rad = -1e9;
+  for (const Row& row : rows) {
+    lowest_rad = std::min(lowest_rad, row.output_angle_rad);
+    highest_rad = std::max(highest_rad, row.output_angle_rad);
+  }
+  if (highest_rad - lowest_rad > kCoupled_rad) {
+    throw std::invalid_argument(
+        "motor: the output moved by " +
+        std::to_string((highest_rad - lowest_rad) * 180.0 / std::numbers::pi) +
+        " degrees, expected a motor uncoupled from the link");
+  }
+}
+
+// Differences of rows.
+Eigen::Vector2d Published(const Recording& rows, const RigConstants& rig) {
+  Eigen::Matrix2d G = Eigen::Matrix2d::Zero();
+  Eigen::Vector2d m = Eigen::Vector2d::Zero();
+  for (std::size_t i = 1; i < rows.size(); ++i) {
+    const double dt_s = rows[i].time_s - rows[i - 1].time_s;
+    if (!(dt_s > 0.0)) continue;
+    const Eigen::Vector2d a(
+        (rows[i].motor_velocity_rad_s - rows[i - 1].motor_velocity_rad_s) / dt_s,
+        rows[i].motor_velocity_rad_s);
+    G += a * a.transpose();
+    m += a * rig.torque_constant_Nm_A * rows[i].motor_current_A;
+  }
+  return G.inverse() * m;
+}
+
+types::Run RunOf(const Recording& rows) {
+  types::Run run;
+  run.name = "motor";
+  const auto n = static_cast<Eigen::Index>(rows.size());
+  run.time_s.resize(n);
+  Eigen::VectorXd angle(n), current(n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const Row& row = rows[static_cast<std::size_t>(i)];
+    run.time_s(i) = row.time_s;
+    angle(i) = row.motor_angle_rad;
+    current(i) = row.motor_current_A;
+  }
+  // The position decides whether stamps or row numbers are right: here that is the motor's.
+  run.signals[types::Signal::kPosition] = angle;
+  run.signals[types::Signal::kMotorCurrent] = current;
+  return run;
+}
+
+// fit: with Coulomb friction.
+std::vector<Quantity> Quantities(const TrialFit& fit, const Eigen::Vector2d& published) {
+  return {
+      {.id = "rotor_inertia_kg_m2",
+       .name = "J_m",
+       .unit = "kg m2",
+       .estimate = fit.At(0),
+       .target_share = 0.05,
+       .remark = "with Coulomb friction"},
+      {.id = "rotor_viscous_Nm_s_rad",
+       .name = "B_m",
+       .unit = "Nm s/rad",
+       .estimate = fit.At(1),
+       .target_share = 0.05,
+       .remark = "with Coulomb friction"},
+      {.id = "rotor_coulomb_Nm",
+       .name = "T_c",
+       .unit = "Nm",
+       .estimate = fit.At(2),
+       .remark = "dry friction of the rotor"},
+      {.id = "rotor_inertia_published_kg_m2",
+       .name = "J_m, by (4.21)-(4.26)",
+       .unit = "kg m2",
+       .estimate = {published(0), 0.0, 1},
+       .target_share = 0.05,
+       .has_interval = false,
+       .remark = "without Coulomb friction, differences of rows; x 3/2 with the printed factor"},
+      {.id = "rotor_viscous_published_Nm_s_rad",
+       .name = "B_m, by (4.21)-(4.26)",
+       .unit = "Nm s/rad",
+       .estimate = {published(1), 0.0, 1},
+       .target_share = 0.05,
+       .has_interval = false,
+       .remark = "takes up the dry friction; x 3/2 with the printed factor"}};
+}
+
 }  // namespace
 
 MotorProtocol::MotorProtocol(const MotorPlan& plan) : plan_(plan) {
@@ -59,56 +143,12 @@ Result IdentifyMotor(const Recording& rows, const RigConstants& rig) {
   if (rows.size() < 200 || rows.back().time_s - rows.front().time_s < kShortest_s) {
     throw std::invalid_argument("motor: the recording is shorter than 8 s");
   }
-  double lowest_rad = 1e9, highest_rad = -1e9;
-  for (const Row& row : rows) {
-    lowest_rad = std::min(lowest_rad, row.output_angle_rad);
-    highest_rad = std::max(highest_rad, row.output_angle_rad);
-  }
-  if (highest_rad - lowest_rad > kCoupled_rad) {
-    throw std::invalid_argument(
-        "motor: the output moved by " +
-        std::to_string((highest_rad - lowest_rad) * 180.0 / std::numbers::pi) +
-        " degrees, expected a motor uncoupled from the link");
-  }
-  // As published: differences of rows.
-  Eigen::Matrix2d G = Eigen::Matrix2d::Zero();
-  Eigen::Vector2d m = Eigen::Vector2d::Zero();
-  for (std::size_t i = 1; i < rows.size(); ++i) {
-    const double dt_s = rows[i].time_s - rows[i - 1].time_s;
-    if (!(dt_s > 0.0)) continue;
-    const Eigen::Vector2d a(
-        (rows[i].motor_velocity_rad_s - rows[i - 1].motor_velocity_rad_s) / dt_s,
-        rows[i].motor_velocity_rad_s);
-    G += a * a.transpose();
-    m += a * rig.torque_constant_Nm_A * rows[i].motor_current_A;
-  }
-  const Eigen::Vector2d published = G.inverse() * m;
-
-  // With Coulomb friction.
-  types::Run run;
-  run.name = "motor";
-  const auto n = static_cast<Eigen::Index>(rows.size());
-  run.time_s.resize(n);
-  Eigen::VectorXd angle(n), current(n);
-  for (Eigen::Index i = 0; i < n; ++i) {
-    const Row& row = rows[static_cast<std::size_t>(i)];
-    run.time_s(i) = row.time_s;
-    angle(i) = row.motor_angle_rad;
-    current(i) = row.motor_current_A;
-  }
-  // The position decides whether stamps or row numbers are right: here that is the motor's.
-  run.signals[types::Signal::kPosition] = angle;
-  run.signals[types::Signal::kMotorCurrent] = current;
-  const identify::UniformRun even = identify::MakeUniform(run);
-  std::vector<Eigen::Vector4d> x;
-  std::vector<double> y;
-  std::vector<int> trial;
+  RequireUncoupled(rows);
+  const Eigen::Vector2d published = Published(rows, rig);
+  const identify::UniformRun even = identify::MakeUniform(RunOf(rows));
+  TrialRows blocks;
   int block = -1;
-  Figure figure{.title = "Current and its fit",
-                .caption = "Kt Iq, and J dw/dt + B w + Tc sign(w) with the fitted values.",
-                .x_label = "time, s",
-                .y_label = "torque at the shaft, N m",
-                .series = {{.name = "Kt Iq", .line = true}, {.name = "fit", .line = true}}};
+  report::Series measured{.name = "Kt Iq"}, fitted{.name = "fit"};
   std::vector<Eigen::Vector4d> shown;
   for (const identify::UniformSegment& segment : even.segments) {
     const double rate_Hz = segment.rate_Hz();
@@ -132,8 +172,8 @@ Result IdentifyMotor(const Recording& rows, const RigConstants& rig) {
       if (segment.valid[static_cast<std::size_t>(i)] == 0) continue;
       const Eigen::Vector4d row(dw(i), w(i), sign(i), rate(i));
       if (segment.Time(i) - rows.front().time_s < 8.0) {
-        figure.series[0].x.push_back(segment.Time(i) - rows.front().time_s);
-        figure.series[0].y.push_back(torque(i));
+        measured.x.push_back(segment.Time(i) - rows.front().time_s);
+        measured.y.push_back(torque(i));
         shown.push_back(row);
       }
       if (std::abs(w(i)) < kSlow_rad_s) continue;
@@ -141,52 +181,19 @@ Result IdentifyMotor(const Recording& rows, const RigConstants& rig) {
         block_end_s = segment.Time(i) + kBlock_s;
         ++block;
       }
-      x.push_back(row);
-      y.push_back(torque(i));
-      trial.push_back(block);
+      blocks.Add(block, row, torque(i));
     }
   }
-  Eigen::MatrixXd X(static_cast<Eigen::Index>(x.size()), 4);
-  for (std::size_t i = 0; i < x.size(); ++i) X.row(static_cast<Eigen::Index>(i)) = x[i];
-  const TrialFit fit = FitTrials(
-      X, Eigen::Map<Eigen::VectorXd>(y.data(), static_cast<Eigen::Index>(y.size())), trial);
-  figure.series[1].x = figure.series[0].x;
-  for (const Eigen::Vector4d& row : shown) figure.series[1].y.push_back(fit.b.dot(row));
+  const TrialFit fit = blocks.Fit();
+  fitted.x = measured.x;
+  for (const Eigen::Vector4d& row : shown) fitted.y.push_back(fit.b.dot(row));
 
   Result result{.experiment = "motor", .title = "Motor inertia and damping (4.21)-(4.26)"};
-  result.quantities = {
-      {.id = "rotor_inertia_kg_m2",
-       .name = "J_m",
-       .unit = "kg m2",
-       .estimate = fit.At(0),
-       .target_share = 0.05,
-       .remark = "with Coulomb friction"},
-      {.id = "rotor_viscous_Nm_s_rad",
-       .name = "B_m",
-       .unit = "Nm s/rad",
-       .estimate = fit.At(1),
-       .target_share = 0.05,
-       .remark = "with Coulomb friction"},
-      {.id = "rotor_coulomb_Nm",
-       .name = "T_c",
-       .unit = "Nm",
-       .estimate = fit.At(2),
-       .remark = "dry friction of the rotor"},
-      {.id = "rotor_inertia_published_kg_m2",
-       .name = "J_m, by (4.21)-(4.26)",
-       .unit = "kg m2",
-       .estimate = {published(0), 0.0, 1},
-       .target_share = 0.05,
-       .has_interval = false,
-       .remark = "without Coulomb friction, differences of rows; x 3/2 with the printed factor"},
-      {.id = "rotor_viscous_published_Nm_s_rad",
-       .name = "B_m, by (4.21)-(4.26)",
-       .unit = "Nm s/rad",
-       .estimate = {published(1), 0.0, 1},
-       .target_share = 0.05,
-       .has_interval = false,
-       .remark = "takes up the dry friction; x 3/2 with the printed factor"}};
-  result.figures.push_back(std::move(figure));
+  result.quantities = Quantities(fit, published);
+  result.figures = {report::Chart(
+      "Current and its fit", "Kt Iq, and J dw/dt + B w + Tc sign(w) with the fitted values.",
+      "time, s", kFigure_px,
+      {{"torque at the shaft, N m", {std::move(measured), std::move(fitted)}}})};
   return result;
 }
 

@@ -15,7 +15,6 @@ std::string FormatEstimate(const Quantity& quantity);
 std::string FormatInterval(const Quantity& quantity);
 std::string FormatTarget(const Quantity& quantity);  // empty: no target
 
-report::Picture MakePicture(const Figure& figure);
 report::Section MakeSection(const Result& result);
 
 }  // namespace sinew::experiment

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "components/model/experiment/statistics.h"
+#include "components/model/report/section.h"
 
 namespace sinew::experiment {
 
@@ -38,32 +39,17 @@ struct Quantity {
   std::optional<bool> Met() const;
 };
 
-struct Series {
-  std::string name{};
-  std::vector<double> x{}, y{}, z{};  // z may be empty: 3-D figures only
-  bool line = false;
-};
-
-struct Figure {
-  std::string title{};  // "Backlash (Fig 5.1)"
-  std::string caption{};
-  std::string x_label{}, y_label{}, z_label{};
-  std::vector<Series> series{};
-  bool bars = false;  // y with z as its standard deviation
-};
-
-struct ResultTable {
-  std::string title{};
-  std::vector<std::string> header{};
-  std::vector<std::vector<std::string>> rows{};
-};
+// Of figures: pixels of a panel, and points of their own.
+inline constexpr int kFigure_px = 244;
+inline constexpr const char* kPoints = "points pt 7 ps 0.5";
+inline constexpr const char* kBars = "yerrorbars pt 7 ps 0.6 lw 1.3";
 
 struct Result {
   std::string experiment{};
   std::string title{};
   std::vector<Quantity> quantities{};
-  std::vector<Figure> figures{};
-  std::vector<ResultTable> tables{};
+  std::vector<report::Picture> figures{};
+  std::vector<report::Table> tables{};
   std::vector<std::string> remarks{};
 
   const Quantity* Find(const std::string& id) const;

@@ -77,6 +77,24 @@ TrialFit FitTrials(const Eigen::Ref<const Eigen::MatrixXd>& X,
   return fit;
 }
 
+void TrialRows::Add(int trial, const Eigen::VectorXd& x, const Eigen::VectorXd& z, double y) {
+  x_.push_back(x);
+  z_.push_back(z);
+  y_.push_back(y);
+  trial_.push_back(trial);
+}
+
+TrialFit TrialRows::Fit() const {
+  const auto n = static_cast<Eigen::Index>(y_.size());
+  const Eigen::Index columns = x_.empty() ? 0 : x_.front().size();
+  Eigen::MatrixXd X(n, columns), Z(n, columns);
+  for (std::size_t i = 0; i < y_.size(); ++i) {
+    X.row(static_cast<Eigen::Index>(i)) = x_[i];
+    Z.row(static_cast<Eigen::Index>(i)) = z_[i];
+  }
+  return FitTrials(X, Z, Eigen::Map<const Eigen::VectorXd>(y_.data(), n), trial_);
+}
+
 double LargestRounding(double variance, double count) {
   const double noise = std::max(0.0, variance - count * count / 12.0);
   return count / std::numbers::pi *

@@ -47,6 +47,21 @@ TrialFit FitTrials(const Eigen::Ref<const Eigen::MatrixXd>& X,
                    const Eigen::Ref<const Eigen::MatrixXd>& Z,
                    const Eigen::Ref<const Eigen::VectorXd>& y, const std::vector<int>& trial);
 
+// Rows of such a regression, one by one; trials rise.
+class TrialRows {
+ public:
+  void Add(int trial, const Eigen::VectorXd& x, double y) { Add(trial, x, x, y); }
+  void Add(int trial, const Eigen::VectorXd& x, const Eigen::VectorXd& z, double y);
+  std::size_t size() const { return y_.size(); }
+  int trials() const { return trial_.empty() ? 0 : trial_.back() + 1; }
+  TrialFit Fit() const;
+
+ private:
+  std::vector<Eigen::VectorXd> x_, z_;
+  std::vector<double> y_;
+  std::vector<int> trial_;
+};
+
 // What rounding to counts leaves in the mean of many rows of a value that stands still, at most:
 // with noise of variance sigma^2 and a count c, (c / pi) exp(-2 pi^2 sigma^2 / c^2) (Widrow,
 // Kollar: Quantization Noise, ch. 4). variance: of the rounded rows, from which sigma^2 is

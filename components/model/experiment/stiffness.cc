@@ -2,7 +2,6 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <numbers>
 #include <stdexcept>
 #include <string>
@@ -21,21 +20,15 @@ constexpr double kAtmosphere_bar = 1.013;
 // Windows inside the strokes, each stroke's own level taken away: X = angle (scaled to 6 bar),
 // acceleration, time. Every window twice: the acceleration of one half of its rows is the
 // instrument for that of the other.
-struct SlopeRows {
-  Eigen::MatrixXd X, Z;
-  Eigen::VectorXd y;
-  std::vector<int> stroke;
-};
-SlopeRows MakeSlopeRows(const Recording& rows, const Play& play, bool valve_open, double length_m) {
+TrialRows MakeSlopeRows(const Recording& rows, const Play& play, bool valve_open, double length_m) {
   using Vector5 = Eigen::Matrix<double, 5, 1>;
-  std::vector<Vector5> all;  // angle, acceleration of both halves, time, torque
-  SlopeRows result;
+  TrialRows result;
   int number = 0;
   for (const Stroke& stroke : play.strokes) {
     const std::vector<Window> windows = WindowsOf(stroke);
     if (stroke.valve_open != valve_open || windows.empty()) continue;
     Vector5 level = Vector5::Zero();
-    std::vector<Vector5> here;
+    std::vector<Vector5> here;  // angle, acceleration of both halves, time, torque
     for (const auto& [first, last] : windows) {
       const WindowMean mean = HannMean(rows, first, last);
       here.push_back({mean.angle_rad, mean.acceleration_a_rad_s2, mean.acceleration_b_rad_s2,
@@ -46,30 +39,58 @@ SlopeRows MakeSlopeRows(const Recording& rows, const Play& play, bool valve_open
     for (Vector5& row : here) {
       row -= level;
       row(0) *= scale;
-      all.push_back(row);
-      result.stroke.insert(result.stroke.end(), 2, number);
+      const Eigen::Vector3d a(row(0), row(1), row(3)), b(row(0), row(2), row(3));
+      result.Add(number, a, b, row(4));
+      result.Add(number, b, a, row(4));
     }
     ++number;
   }
-  const auto windows_n = static_cast<Eigen::Index>(all.size());
-  result.X.resize(2 * windows_n, 3);
-  result.Z.resize(2 * windows_n, 3);
-  result.y.resize(2 * windows_n);
-  for (Eigen::Index i = 0; i < windows_n; ++i) {
-    const Vector5& row = all[static_cast<std::size_t>(i)];
-    const Eigen::RowVector3d a(row(0), row(1), row(3)), b(row(0), row(2), row(3));
-    result.X.row(2 * i) = result.Z.row(2 * i + 1) = a;
-    result.Z.row(2 * i) = result.X.row(2 * i + 1) = b;
-    result.y(2 * i) = result.y(2 * i + 1) = row(4);
-  }
   return result;
+}
+
+// Where the chamber no longer brings the link back: the force of the way up, extrapolated to 0.
+// passed, stuck: pressures of the pushes after which the link came back, and did not.
+void AddReturnLimit(const Play& play, const std::vector<double>& passed,
+                    const std::vector<double>& stuck, const RigConstants& rig, Result* result) {
+  TrialRows up;
+  for (const Stroke& s : play.strokes) {
+    if (s.direction <= 0 || !s.valve_open) continue;
+    up.Add(static_cast<int>(up.size()),
+           Eigen::Vector3d(1.0, s.mean.pressure_bar, -s.mean.acceleration_rad_s2()),
+           s.mean.force_N * rig.link_length_m);
+  }
+  if (up.size() < 6) return;
+  const TrialFit back = up.Fit();
+  const double zero_bar = -back.b(0) / back.b(1);
+  result->quantities.push_back(
+      {.id = "return_limit_bar",
+       .name = "pressure under which friction wins",
+       .unit = "bar",
+       .estimate = back.Of(zero_bar, Eigen::Vector3d(-1.0, -zero_bar, 0.0) / back.b(1)),
+       .published = 2.0,
+       .source = "Fig 5.9, about"});
+  if (stuck.empty()) return;
+  result->remarks.push_back(
+      report::Text("The link last came back at %.2f bar; from %.2f bar down the secant is 0.",
+                   *std::min_element(passed.begin(), passed.end()),
+                   *std::max_element(stuck.begin(), stuck.end())));
+}
+
+// The way through the play is the same number in every push: its error, from the rounding of the
+// encoder at two contacts, does not average out. Share of the way, 95 %.
+double RoundingShare(const Play& play, const RigConstants& rig) {
+  const double count_rad = types::kTwoPi / rig.encoder_counts;
+  constexpr double kNormal = 1.96;
+  return kNormal *
+         std::hypot(LargestRounding(play.upper_rad2, count_rad),
+                    LargestRounding(play.lower_rad2, count_rad)) /
+         (std::numbers::sqrt2 * (play.upper_rad - play.lower_rad));
 }
 
 }  // namespace
 
 double MeanSlope(const Recording& rows, const Play& play, bool valve_open, double length_m) {
-  const SlopeRows slope = MakeSlopeRows(rows, play, valve_open, length_m);
-  return -FitTrials(slope.X, slope.Z, slope.y, slope.stroke).b(0);
+  return -MakeSlopeRows(rows, play, valve_open, length_m).Fit().b(0);
 }
 
 Result IdentifyStiffness(const Recording& rows, const RigConstants& rig) {
@@ -77,41 +98,27 @@ Result IdentifyStiffness(const Recording& rows, const RigConstants& rig) {
   const double width_rad = play.upper_rad - play.lower_rad;
   Result result{.experiment = "stiffness", .title = "Stiffness (5.5)"};
   // Secant of each push.
-  std::vector<double> pressure, secant, acceleration, none_pressure, none;
+  std::vector<double> pressure, secant, none_pressure, none;
+  TrialRows rows_of_pushes;
   for (const Play::Push& push : play.pushes) {
     if (push.passed) {
       if (!push.valve_open) continue;
       pressure.push_back(push.pressure_bar);
       secant.push_back(push.mean.force_N * rig.link_length_m / width_rad);
-      acceleration.push_back(push.mean.acceleration_rad_s2());
+      rows_of_pushes.Add(static_cast<int>(rows_of_pushes.size()),
+                         Eigen::Vector3d(1.0, push.pressure_bar, push.mean.acceleration_rad_s2()),
+                         secant.back());
     } else {
       none_pressure.push_back(push.pressure_bar);
       none.push_back(0.0);
     }
   }
-  const auto n = static_cast<Eigen::Index>(pressure.size());
-  if (n < 6) {
-    throw std::invalid_argument("stiffness: " + std::to_string(n) +
+  if (pressure.size() < 6) {
+    throw std::invalid_argument("stiffness: " + std::to_string(pressure.size()) +
                                 " pushes through the play, expected at least 6");
   }
-  Eigen::MatrixXd X(n, 3);
-  Eigen::VectorXd y(n);
-  std::vector<int> trial;
-  for (Eigen::Index i = 0; i < n; ++i) {
-    X.row(i) << 1.0, pressure[static_cast<std::size_t>(i)],
-        acceleration[static_cast<std::size_t>(i)];
-    y(i) = secant[static_cast<std::size_t>(i)];
-    trial.push_back(static_cast<int>(i));
-  }
-  const TrialFit fit = FitTrials(X, y, trial);
-  // The way through the play is the same number in every push: its error, from the rounding of the
-  // encoder at two contacts, does not average out.
-  const double count_rad = types::kTwoPi / rig.encoder_counts;
-  constexpr double kNormal = 1.96;
-  const double rounding_share = kNormal *
-                                std::hypot(LargestRounding(play.upper_rad2, count_rad),
-                                           LargestRounding(play.lower_rad2, count_rad)) /
-                                (std::numbers::sqrt2 * width_rad);
+  const TrialFit fit = rows_of_pushes.Fit();
+  const double rounding_share = RoundingShare(play, rig);
   const auto with_rounding = [rounding_share](Estimate estimate) {
     estimate.half_width_95 =
         std::hypot(estimate.half_width_95, rounding_share * std::abs(estimate.value));
@@ -130,48 +137,13 @@ Result IdentifyStiffness(const Recording& rows, const RigConstants& rig) {
                                .unit = "Nm/rad/bar",
                                .estimate = with_rounding(fit.At(1))});
 
-  // Where the chamber no longer brings the link back: the force of the way up, extrapolated to 0.
-  std::vector<Stroke> up;
-  for (const Stroke& stroke : play.strokes) {
-    if (stroke.direction > 0 && stroke.valve_open) up.push_back(stroke);
-  }
-  if (up.size() >= 6) {
-    const auto m = static_cast<Eigen::Index>(up.size());
-    Eigen::MatrixXd U(m, 3);
-    Eigen::VectorXd f(m);
-    std::vector<int> up_trial;
-    for (Eigen::Index i = 0; i < m; ++i) {
-      const Stroke& s = up[static_cast<std::size_t>(i)];
-      U.row(i) << 1.0, s.mean.pressure_bar, -s.mean.acceleration_rad_s2();
-      f(i) = s.mean.force_N * rig.link_length_m;
-      up_trial.push_back(static_cast<int>(i));
-    }
-    const TrialFit back = FitTrials(U, f, up_trial);
-    const double zero_bar = -back.b(0) / back.b(1);
-    result.quantities.push_back(
-        {.id = "return_limit_bar",
-         .name = "pressure under which friction wins",
-         .unit = "bar",
-         .estimate = back.Of(zero_bar, Eigen::Vector3d(-1.0, -zero_bar, 0.0) / back.b(1)),
-         .published = 2.0,
-         .source = "Fig 5.9, about"});
-    double lowest_passed = 1e9, highest_stuck = -1.0;
-    for (const double p : pressure) lowest_passed = std::min(lowest_passed, p);
-    for (const double p : none_pressure) highest_stuck = std::max(highest_stuck, p);
-    char text[160];
-    if (highest_stuck >= 0.0) {
-      std::snprintf(text, sizeof text,
-                    "The link last came back at %.2f bar; from %.2f bar down the secant is 0.",
-                    lowest_passed, highest_stuck);
-      result.remarks.emplace_back(text);
-    }
-  }
+  AddReturnLimit(play, pressure, none_pressure, rig, &result);
 
   // Differential stiffness of the gas, scaled to 6 bar by absolute pressure: -d(torque)/dq.
   for (const bool open : {false, true}) {
-    const SlopeRows slope = MakeSlopeRows(rows, play, open, rig.link_length_m);
-    if (slope.stroke.empty() || slope.stroke.back() < 6) continue;
-    TrialFit gas = FitTrials(slope.X, slope.Z, slope.y, slope.stroke);
+    const TrialRows slope = MakeSlopeRows(rows, play, open, rig.link_length_m);
+    if (slope.trials() < 7) continue;
+    TrialFit gas = slope.Fit();
     gas.b(0) = -gas.b(0);
     result.quantities.push_back({.id = open ? "gas_open_Nm_rad" : "gas_shut_Nm_rad",
                                  .name = open ? "gas stiffness, reservoir joined, at 6 bar"
@@ -180,21 +152,20 @@ Result IdentifyStiffness(const Recording& rows, const RigConstants& rig) {
                                  .estimate = gas.At(0)});
   }
 
-  Figure figure{.title = "Stiffness against pressure (Fig 5.9)",
-                .caption =
-                    "Secant of each push: torque that takes the link through the play over "
-                    "the play; 0 where the link had not come back.",
-                .x_label = "pressure, bar",
-                .y_label = "secant stiffness, N m/rad",
-                .series = {{.name = "pushes", .x = pressure, .y = secant},
-                           {.name = "did not come back", .x = none_pressure, .y = none}}};
-  Series line{.name = "fit", .line = true};
+  report::Series line{.name = "fit"};
   for (double p = 2.2; p <= 6.01; p += 0.2) {
     line.x.push_back(p);
     line.y.push_back(fit.b(0) + fit.b(1) * p);
   }
-  figure.series.push_back(std::move(line));
-  result.figures.push_back(std::move(figure));
+  result.figures.push_back(report::Chart(
+      "Stiffness against pressure (Fig 5.9)",
+      "Secant of each push: torque that takes the link through the play over the play; 0 where the "
+      "link had not come back.",
+      "pressure, bar", kFigure_px,
+      {{"secant stiffness, N m/rad",
+        {{.name = "pushes", .x = pressure, .y = secant, .style = kPoints},
+         {.name = "did not come back", .x = none_pressure, .y = none, .style = kPoints},
+         std::move(line)}}}));
   return result;
 }
 

@@ -143,237 +143,290 @@ void MarkContacts(const Eigen::VectorXd& gap, double play, bool locked, double g
   }
 }
 
+// Fields of JointSample that a recording gives, beside those that all give.
+std::set<std::string> FieldsOf(const types::Run& run) {
+  std::set<std::string> fields;
+  if (run.Has(types::Signal::kMotorPosition)) {
+    fields.insert({"motor_position_rad", "motor_velocity_rad_s", "motor_acceleration_rad_s2"});
+  }
+  if (run.Has(types::Signal::kChamberPressure)) {
+    fields.insert({"pressure_bar", "pressure_rate_bar_s"});
+  }
+  if (run.Has(types::Signal::kLoadForce)) fields.insert("load_force_N");
+  if (run.Has(types::Signal::kPayload)) fields.insert("payload_kg");
+  if (run.Has(types::Signal::kTemperature)) fields.insert("temperature_degC");
+  if (run.Has(types::Signal::kValveOpen)) fields.insert("valve_open");
+  if (!run.rigid_torque.empty() || run.rigid_torque_later) fields.insert("rigid_torque_Nm");
+  return fields;
+}
+
+// Signals of a piece of a recording, and what filters and derivatives make of them.
+class PieceSignals {
+ public:
+  PieceSignals(const types::Run& run, const UniformSegment& piece, const ProcessingOptions& options)
+      : run_(run), piece_(piece), options_(options) {}
+
+  bool Has(types::Signal signal) const { return piece_.signals.contains(signal); }
+  // Empty where it was not recorded.
+  Eigen::VectorXd Recorded(types::Signal signal) const {
+    return Has(signal) ? piece_.signals.at(signal) : Eigen::VectorXd();
+  }
+  Eigen::VectorXd Raw(types::Signal signal, double fallback) const {
+    return Has(signal) ? piece_.signals.at(signal)
+                       : Eigen::VectorXd::Constant(piece_.size(), fallback);
+  }
+  // Rows that are holds have no neighbours: neither filters nor derivatives.
+  Eigen::VectorXd LowPassed(const Eigen::VectorXd& x, double cutoff_Hz) const {
+    if (run_.held) return x;
+    return Smooth(x, options_.state_order, cutoff_Hz, piece_.rate_Hz());
+  }
+  Eigen::VectorXd Smoothed(const Eigen::VectorXd& x) const {
+    return LowPassed(x, options_.state_cutoff_Hz);
+  }
+  Eigen::VectorXd RateOf(const Eigen::VectorXd& x) const {
+    if (run_.held) return Eigen::VectorXd::Zero(x.size());
+    return WideDifference(x, piece_.period_s);
+  }
+  // Smooth signals at the very instants of the rows, measured ones as they were recorded: a spline
+  // through jittering stamps would take away what is fast.
+  Eigen::VectorXd AtRowsOf(const Eigen::VectorXd& x) const {
+    return options_.raw ? AtRows(piece_, x) : x;
+  }
+  Eigen::VectorXd Measured(types::Signal signal) const {
+    return options_.raw ? AsMeasured(run_, piece_, signal) : piece_.signals.at(signal);
+  }
+
+ private:
+  const types::Run& run_;
+  const UniformSegment& piece_;
+  const ProcessingOptions& options_;
+};
+
+// Motion of a piece, on its even grid.
+struct Motion {
+  Eigen::VectorXd q, v, a;                    // output
+  std::vector<char> unsure;                   // rows without a direction
+  bool locked = false;                        // the motor stands
+  Eigen::VectorXd motor_q, motor_v, motor_a;  // motor shaft
+};
+
+Motion MotionOf(const types::Run& run, const UniformSegment& piece, const PieceSignals& signals,
+                const actuator::JointModel& model, const ProcessingOptions& options) {
+  const double ratio = model.constants.gear_ratio;
+  const Eigen::VectorXd position = OutputPosition(piece, ratio, run.name);
+  Motion out;
+  out.q = signals.Smoothed(position);
+  out.v = signals.RateOf(out.q);
+  out.a = signals.RateOf(out.v);
+  out.unsure.assign(piece.valid.size(), 0);
+  if (options.doubtful_velocity > 0.0 && !run.held) {
+    const double rows = piece.rate_Hz() / options.slow_cutoff_Hz;
+    out.unsure = TakeSlowVelocity(
+        signals.RateOf(signals.LowPassed(position, options.slow_cutoff_Hz)),
+        options.doubtful_velocity, static_cast<Eigen::Index>(std::lround(rows)), &out.v);
+  }
+  if (!signals.Has(types::Signal::kMotorPosition)) {
+    out.motor_q = ratio * out.q;
+    out.motor_v = ratio * out.v;
+    out.motor_a = ratio * out.a;
+    return out;
+  }
+  const Eigen::VectorXd motor = signals.Recorded(types::Signal::kMotorPosition);
+  out.locked = options.raw && IsLocked(motor / ratio, out.q);
+  out.motor_q = signals.LowPassed(
+      motor, options.motor_cutoff_Hz > 0.0 ? options.motor_cutoff_Hz : options.state_cutoff_Hz);
+  out.motor_v = signals.RateOf(out.motor_q);
+  if (out.locked) out.motor_v.setZero();
+  out.motor_a = signals.RateOf(out.motor_v);
+  return out;
+}
+
+// The motor's angle of each row: torque that repeats with an angle belongs to the very angle of its
+// row.
+Eigen::VectorXd MotorAngles(const Motion& motion, const PieceSignals& signals, double ratio,
+                            bool raw) {
+  if (!raw) return motion.motor_q;
+  if (signals.Has(types::Signal::kMotorPosition)) {
+    return signals.Measured(types::Signal::kMotorPosition);
+  }
+  if (signals.Has(types::Signal::kPosition))
+    return ratio * signals.Measured(types::Signal::kPosition);
+  return signals.AtRowsOf(ratio * motion.q);
+}
+
+// What drives, row by row.
+Eigen::VectorXd DriveInput(types::Signal drive, const PieceSignals& signals, const Motion& motion,
+                           const actuator::JointModel& model) {
+  Eigen::VectorXd input = signals.Measured(drive);
+  // Teeth that a locked motor holds hand nothing on inside the play: its current is noise.
+  if (motion.locked) return Eigen::VectorXd::Zero(input.size());
+  // A voltage on the winding drives only what the turning motor leaves of it; an open bridge
+  // nothing.
+  if (drive == types::Signal::kDriveVoltage && model.constants.back_emf_V_s_rad > 0.0) {
+    const Eigen::VectorXd supply = signals.Recorded(types::Signal::kSupplyVoltage);
+    input -= model.constants.back_emf_V_s_rad * signals.AtRowsOf(motion.motor_v);
+    for (Eigen::Index i = 0; i < supply.size(); ++i) {
+      if (supply[i] == 0.0) input[i] = 0.0;
+    }
+  }
+  return input;
+}
+
+// The load cell is the response where the motor is locked, a regressor elsewhere. silent: it
+// measured nothing but its noise.
+Eigen::VectorXd LoadForce(const PieceSignals& signals, bool locked, bool raw, bool* silent) {
+  const Eigen::VectorXd rows = signals.Raw(types::Signal::kLoadForce, 0.0);
+  if (raw && signals.Has(types::Signal::kLoadForce)) {
+    // An unloaded load cell would add its noise to the balance, so it is replaced by its mean.
+    const double sigma = WhiteNoise(std::span(&rows, 1));
+    const double variance = (rows.array() - rows.mean()).square().mean();
+    *silent = sigma * sigma > kMostNoise * variance;
+    if (locked) return signals.Measured(types::Signal::kLoadForce);
+    if (*silent) return signals.AtRowsOf(Eigen::VectorXd::Constant(rows.size(), rows.mean()));
+  }
+  return signals.AtRowsOf(raw && !locked ? signals.Smoothed(rows) : rows);
+}
+
+void FillSamples(const UniformSegment& piece, const PieceSignals& signals, const Motion& motion,
+                 const Eigen::VectorXd& motor_angles, const Eigen::VectorXd& force,
+                 const Eigen::VectorXd& rigid, StateSegment* segment) {
+  const Eigen::VectorXd jerk = signals.RateOf(motion.a);
+  const Eigen::VectorXd input = signals.Smoothed(segment->drive_input);
+  segment->drive_rate = signals.AtRowsOf(signals.RateOf(input));
+  const Eigen::VectorXd pressure =
+      signals.Smoothed(signals.Raw(types::Signal::kChamberPressure, 0.0));
+  using Field = double effects::JointSample::*;
+  using effects::JointSample;
+  const std::vector<std::pair<Field, Eigen::VectorXd>> columns = {
+      {&JointSample::position_rad, signals.AtRowsOf(motion.q)},
+      {&JointSample::velocity_rad_s, signals.AtRowsOf(motion.v)},
+      {&JointSample::acceleration_rad_s2, signals.AtRowsOf(motion.a)},
+      {&JointSample::jerk_rad_s3, signals.AtRowsOf(jerk)},
+      {&JointSample::snap_rad_s4, signals.AtRowsOf(signals.RateOf(jerk))},
+      {&JointSample::motor_position_rad, motor_angles},
+      {&JointSample::motor_velocity_rad_s, signals.AtRowsOf(motion.motor_v)},
+      {&JointSample::motor_acceleration_rad_s2, signals.AtRowsOf(motion.motor_a)},
+      {&JointSample::drive_input, signals.AtRowsOf(input)},
+      {&JointSample::drive_rate, segment->drive_rate},
+      {&JointSample::pressure_bar, signals.AtRowsOf(pressure)},
+      {&JointSample::pressure_rate_bar_s, signals.AtRowsOf(signals.RateOf(pressure))},
+      {&JointSample::load_force_N, force},
+      {&JointSample::payload_kg, signals.Raw(types::Signal::kPayload, 0.0)},
+      {&JointSample::temperature_degC, signals.Raw(types::Signal::kTemperature, 25.0)},
+      {&JointSample::rigid_torque_Nm, rigid}};
+  const Eigen::VectorXd valve = signals.Raw(types::Signal::kValveOpen, 0.0);
+  segment->samples.resize(piece.valid.size());
+  for (Eigen::Index i = 0; i < piece.size(); ++i) {
+    JointSample& x = segment->samples[static_cast<std::size_t>(i)];
+    x.time_s = piece.Time(i);
+    x.valve_open = valve[i] > 0.5;
+    for (const auto& [field, values] : columns) x.*field = values[i];
+  }
+}
+
+// Which rows a moving model may be fitted to, and why not the others.
+void MarkRows(const types::Run& run, const UniformSegment& piece, const Motion& motion,
+              const actuator::JointModel& model, const ProcessingOptions& options,
+              StateSegment* segment) {
+  const double rate = piece.rate_Hz();
+  segment->at_rest = Slower(motion.v, run.held ? 0.0 : options.rest_velocity);
+  // A quick reversal may have no row that is slow enough.
+  for (std::size_t i = 1; options.raw && !run.held && i < segment->samples.size(); ++i) {
+    if (segment->samples[i - 1].velocity_rad_s * segment->samples[i].velocity_rad_s > 0.0) continue;
+    segment->at_rest[i - 1] = segment->at_rest[i] = 1;
+  }
+  const auto guard = static_cast<Eigen::Index>(std::lround(options.reversal_guard_s * rate));
+  std::vector<char> near_rest = segment->at_rest, touches(piece.valid.size(), 0);
+  std::vector<char> ringing = touches, settling = touches;
+  Spread(near_rest, guard);
+  if (piece.signals.contains(types::Signal::kMotorPosition) && model.backlash_rad > 0.0) {
+    MarkContacts(motion.motor_q / model.constants.gear_ratio - motion.q, model.backlash_rad,
+                 motion.locked, options.contact_guard_s, segment, &touches, &ringing);
+    Spread(touches, guard);
+  }
+  if (!run.held) {
+    settling = Settling(segment->at_rest, motion.v * piece.period_s, options.settle_distance);
+  }
+  const auto border =
+      run.held ? Eigen::Index{0} : static_cast<Eigen::Index>(std::lround(options.border_s * rate));
+  for (Eigen::Index i = 0; i < piece.size(); ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    segment->use.push_back(!piece.valid[k]                            ? RowUse::kHole
+                           : i < border || i >= piece.size() - border ? RowUse::kBorder
+                           : segment->at_rest[k] || motion.unsure[k]  ? RowUse::kRest
+                           : near_rest[k]                             ? RowUse::kReversal
+                           : touches[k] || ringing[k]                 ? RowUse::kContact
+                           : settling[k]                              ? RowUse::kSettling
+                                                                      : RowUse::kUsed);
+    segment->usable.push_back(static_cast<char>(segment->use.back() == RowUse::kUsed));
+  }
+}
+
+StateSegment MakeSegment(const types::Run& run, const UniformSegment& piece, std::size_t number,
+                         const actuator::JointModel& model, const ProcessingOptions& options,
+                         StateSet* all) {
+  const types::Signal drive = DriveSignal(model);
+  const PieceSignals signals(run, piece, options);
+  const Motion motion = MotionOf(run, piece, signals, model, options);
+  all->locked = all->locked || motion.locked;
+  StateSegment out;
+  out.run = static_cast<int>(all->run_names.size()) - 1;
+  out.start_s = piece.start_s;
+  out.period_s = piece.period_s;
+  out.held = run.held;
+  if (!run.rigid_columns.empty()) out.rigid_columns = run.rigid_columns.at(number);
+  out.drive_input = DriveInput(drive, signals, motion, model);
+  out.drive_signal = signals.Measured(drive);
+  out.reference_position = signals.Recorded(types::Signal::kReferencePosition);
+  out.supply_voltage = signals.Recorded(types::Signal::kSupplyVoltage);
+  out.valid = piece.valid;
+  bool silent = true;
+  const Eigen::VectorXd force = LoadForce(signals, motion.locked, options.raw, &silent);
+  all->silent_load = all->silent_load && silent;
+  FillSamples(
+      piece, signals, motion, MotorAngles(motion, signals, model.constants.gear_ratio, options.raw),
+      force,
+      run.rigid_torque.empty() ? Eigen::VectorXd::Zero(piece.size()) : run.rigid_torque.at(number),
+      &out);
+  MarkRows(run, piece, motion, model, options, &out);
+  return out;
+}
+
 }  // namespace
 
 StateSet MakeStates(const std::vector<types::Run>& runs, const actuator::JointModel& model,
                     const ProcessingOptions& options) {
   if (runs.empty()) throw std::invalid_argument("no recording given");
-  const types::Signal drive = DriveSignal(model);
   StateSet out;
   out.measured = {"time_s",         "drive_input",         "drive_rate",  "position_rad",
                   "velocity_rad_s", "acceleration_rad_s2", "jerk_rad_s3", "snap_rad_s4"};
-  std::set<std::string> always = out.measured;
   if (model.backlash_rad == 0.0) {  // a rigid gear: the motor's motion is known from the output's
-    always.insert({"motor_position_rad", "motor_velocity_rad_s", "motor_acceleration_rad_s2"});
-    out.measured = always;
+    out.measured.insert(
+        {"motor_position_rad", "motor_velocity_rad_s", "motor_acceleration_rad_s2"});
   }
-  bool first = true;
+  const std::set<std::string> always = out.measured;
   for (const types::Run& run : runs) {
     if (run.kind != model.kind) {
       throw std::invalid_argument("recording " + run.name +
                                   " is of another joint kind than joint '" + model.name +
                                   "' of the model");
     }
-    std::set<std::string> fields;
-    if (run.Has(types::Signal::kMotorPosition)) {
-      fields.insert({"motor_position_rad", "motor_velocity_rad_s", "motor_acceleration_rad_s2"});
-    }
-    if (run.Has(types::Signal::kChamberPressure)) {
-      fields.insert({"pressure_bar", "pressure_rate_bar_s"});
-    }
-    if (run.Has(types::Signal::kLoadForce)) fields.insert("load_force_N");
-    if (run.Has(types::Signal::kPayload)) fields.insert("payload_kg");
-    if (run.Has(types::Signal::kTemperature)) fields.insert("temperature_degC");
-    if (run.Has(types::Signal::kValveOpen)) fields.insert("valve_open");
-    if (!run.rigid_torque.empty() || run.rigid_torque_later) fields.insert("rigid_torque_Nm");
-    if (first) {
-      out.measured.insert(fields.begin(), fields.end());
-    } else {
-      std::erase_if(out.measured, [&](const std::string& field) {
-        return !always.contains(field) && !fields.contains(field);
-      });
-    }
-    run.At(drive);  // says which signal is missing
-
+    const bool first = out.run_names.empty();
+    const std::set<std::string> fields = FieldsOf(run);
+    if (first) out.measured.insert(fields.begin(), fields.end());
+    std::erase_if(out.measured, [&](const std::string& field) {
+      return !always.contains(field) && !fields.contains(field);
+    });
+    run.At(DriveSignal(model));  // says which signal is missing
     const UniformRun uniform = MakeUniform(run, options.longest_gap_s);
     out.rigid_mean = run.rigid_mean;
     out.rigid_spread = run.rigid_spread;
-    const int index = static_cast<int>(out.run_names.size());
     out.run_names.push_back(run.name);
     out.run_hashes.push_back(run.content_hash);
     if (first) out.rate_Hz = uniform.sampling.rate_Hz;
-    first = false;
-
     for (std::size_t number = 0; number < uniform.segments.size(); ++number) {
-      const UniformSegment& piece = uniform.segments[number];
-      const Eigen::VectorXd rigid = run.rigid_torque.empty() ? Eigen::VectorXd::Zero(piece.size())
-                                                             : run.rigid_torque.at(number);
-      const double rate = piece.rate_Hz();
-      const double dt = piece.period_s;
-      // Rows that are holds have no neighbours: neither filters nor derivatives.
-      const auto smooth = [&](const Eigen::VectorXd& x) {
-        if (run.held) return x;
-        return Smooth(x, options.state_order, options.state_cutoff_Hz, rate);
-      };
-      const auto rate_of = [&](const Eigen::VectorXd& x) -> Eigen::VectorXd {
-        if (run.held) return Eigen::VectorXd::Zero(x.size());
-        return WideDifference(x, dt);
-      };
-      const auto raw = [&](types::Signal signal, double fallback) -> Eigen::VectorXd {
-        const auto found = piece.signals.find(signal);
-        if (found == piece.signals.end()) return Eigen::VectorXd::Constant(piece.size(), fallback);
-        return found->second;
-      };
-      const auto filtered = [&](types::Signal signal, double fallback) {
-        return smooth(raw(signal, fallback));
-      };
-      const double ratio = model.constants.gear_ratio;
-      const Eigen::VectorXd q = smooth(OutputPosition(piece, ratio, run.name));
-      Eigen::VectorXd v = rate_of(q);
-      const Eigen::VectorXd a = rate_of(v);
-      std::vector<char> unsure(piece.valid.size(), 0);
-      if (options.doubtful_velocity > 0.0 && !run.held) {
-        unsure = TakeSlowVelocity(
-            rate_of(Smooth(OutputPosition(piece, ratio, run.name), options.state_order,
-                           options.slow_cutoff_Hz, rate)),
-            options.doubtful_velocity,
-            static_cast<Eigen::Index>(std::lround(rate / options.slow_cutoff_Hz)), &v);
-      }
-      const Eigen::VectorXd jerk = rate_of(a);
-      const Eigen::VectorXd snap = rate_of(jerk);
-      const bool motor = piece.signals.contains(types::Signal::kMotorPosition);
-      const bool locked = options.raw && motor &&
-                          IsLocked(piece.signals.at(types::Signal::kMotorPosition) / ratio, q);
-      out.locked = out.locked || locked;
-      // Smooth signals at the very instants of the rows, measured ones as they were recorded: a
-      // spline through jittering stamps would take away what is fast.
-      const auto at_rows = [&](const Eigen::VectorXd& x) -> Eigen::VectorXd {
-        return options.raw ? AtRows(piece, x) : x;
-      };
-      const auto measured = [&](types::Signal signal) -> Eigen::VectorXd {
-        return options.raw ? AsMeasured(run, piece, signal) : piece.signals.at(signal);
-      };
-      const Eigen::VectorXd motor_raw =
-          motor ? piece.signals.at(types::Signal::kMotorPosition) : Eigen::VectorXd(ratio * q);
-      const Eigen::VectorXd motor_rows =
-          motor ? measured(types::Signal::kMotorPosition)
-          : options.raw && piece.signals.contains(types::Signal::kPosition)
-              ? Eigen::VectorXd(ratio * measured(types::Signal::kPosition))
-              : at_rows(ratio * q);
-      const double motor_cutoff_Hz =
-          options.motor_cutoff_Hz > 0.0 ? options.motor_cutoff_Hz : options.state_cutoff_Hz;
-      const Eigen::VectorXd motor_q =
-          motor && !run.held ? Smooth(motor_raw, options.state_order, motor_cutoff_Hz, rate)
-                             : motor_raw;
-      Eigen::VectorXd motor_v = motor ? rate_of(motor_q) : Eigen::VectorXd(ratio * v);
-      if (locked) motor_v.setZero();
-      std::vector<char> at_rest = Slower(v, run.held ? 0.0 : options.rest_velocity);
-      const Eigen::VectorXd motor_a = motor ? rate_of(motor_v) : Eigen::VectorXd(ratio * a);
-      const auto recorded = [&](types::Signal signal) -> Eigen::VectorXd {
-        const auto found = piece.signals.find(signal);
-        return found == piece.signals.end() ? Eigen::VectorXd() : found->second;
-      };
-      const Eigen::VectorXd signal = measured(drive);
-      const Eigen::VectorXd supply = recorded(types::Signal::kSupplyVoltage);
-      // A voltage on the winding drives only what the turning motor leaves of it; an open bridge
-      // nothing.
-      Eigen::VectorXd input = signal;
-      if (drive == types::Signal::kDriveVoltage && model.constants.back_emf_V_s_rad > 0.0) {
-        input -= model.constants.back_emf_V_s_rad * at_rows(motor_v);
-        for (Eigen::Index i = 0; i < supply.size(); ++i) {
-          if (supply[i] == 0.0) input[i] = 0.0;
-        }
-      }
-      // Teeth that a locked motor holds hand nothing on inside the play: its current is noise.
-      if (locked) input.setZero();
-      const Eigen::VectorXd input_smooth = smooth(input);
-      const Eigen::VectorXd input_rate = rate_of(input_smooth);
-      const Eigen::VectorXd pressure = filtered(types::Signal::kChamberPressure, 0.0);
-      const Eigen::VectorXd pressure_rate = rate_of(pressure);
-      // The load cell is the response where the motor is locked, a regressor elsewhere.
-      Eigen::VectorXd force = options.raw && !locked ? filtered(types::Signal::kLoadForce, 0.0)
-                                                     : raw(types::Signal::kLoadForce, 0.0);
-      if (options.raw && run.Has(types::Signal::kLoadForce)) {
-        // An unloaded load cell would add its noise to the balance, so it is replaced by its mean.
-        const Eigen::VectorXd force_rows = raw(types::Signal::kLoadForce, 0.0);
-        const double sigma = WhiteNoise(std::span(&force_rows, 1));
-        const double variance = (force_rows.array() - force_rows.mean()).square().mean();
-        if (sigma * sigma > kMostNoise * variance) {
-          force.setConstant(force_rows.mean());
-        } else {
-          out.silent_load = false;
-        }
-      }
-      const Eigen::VectorXd payload = raw(types::Signal::kPayload, 0.0);
-      const Eigen::VectorXd temperature = raw(types::Signal::kTemperature, 25.0);
-      const Eigen::VectorXd valve = raw(types::Signal::kValveOpen, 0.0);
-
-      const Eigen::VectorXd row_q = at_rows(q), row_v = at_rows(v), row_a = at_rows(a),
-                            row_jerk = at_rows(jerk), row_snap = at_rows(snap),
-                            row_motor_v = at_rows(motor_v), row_motor_a = at_rows(motor_a),
-                            row_input = at_rows(input_smooth), row_input_rate = at_rows(input_rate),
-                            row_pressure = at_rows(pressure),
-                            row_pressure_rate = at_rows(pressure_rate),
-                            row_force = locked && run.Has(types::Signal::kLoadForce)
-                                            ? measured(types::Signal::kLoadForce)
-                                            : at_rows(force);
-      StateSegment segment;
-      segment.run = index;
-      segment.start_s = piece.start_s;
-      segment.period_s = dt;
-      segment.held = run.held;
-      if (!run.rigid_columns.empty()) segment.rigid_columns = run.rigid_columns.at(number);
-      segment.drive_input = input;
-      segment.drive_rate = row_input_rate;
-      segment.drive_signal = signal;
-      segment.reference_position = recorded(types::Signal::kReferencePosition);
-      segment.supply_voltage = supply;
-      segment.valid = piece.valid;
-      segment.samples.resize(piece.valid.size());
-      segment.at_rest = std::move(at_rest);
-      for (Eigen::Index i = 0; i < piece.size(); ++i) {
-        effects::JointSample& x = segment.samples[static_cast<std::size_t>(i)];
-        x.time_s = piece.Time(i);
-        x.position_rad = row_q[i];
-        x.velocity_rad_s = row_v[i];
-        x.acceleration_rad_s2 = row_a[i];
-        x.jerk_rad_s3 = row_jerk[i];
-        x.snap_rad_s4 = row_snap[i];
-        // Torque that repeats with an angle belongs to the very angle of its row.
-        x.motor_position_rad = options.raw ? motor_rows[i] : motor_q[i];
-        x.motor_velocity_rad_s = row_motor_v[i];
-        x.motor_acceleration_rad_s2 = row_motor_a[i];
-        x.drive_input = row_input[i];
-        x.drive_rate = row_input_rate[i];
-        x.pressure_bar = row_pressure[i];
-        x.pressure_rate_bar_s = row_pressure_rate[i];
-        x.load_force_N = row_force[i];
-        x.payload_kg = payload[i];
-        x.temperature_degC = temperature[i];
-        x.valve_open = valve[i] > 0.5;
-        x.rigid_torque_Nm = rigid[i];
-      }
-      // A quick reversal may have no row that is slow enough.
-      for (Eigen::Index i = 1; options.raw && !run.held && i < piece.size(); ++i) {
-        if (row_v[i - 1] * row_v[i] > 0.0) continue;
-        segment.at_rest[static_cast<std::size_t>(i - 1)] = 1;
-        segment.at_rest[static_cast<std::size_t>(i)] = 1;
-      }
-      const auto guard = static_cast<Eigen::Index>(std::lround(options.reversal_guard_s * rate));
-      std::vector<char> near_rest = segment.at_rest, touches(piece.valid.size(), 0);
-      std::vector<char> ringing = touches, settling = touches;
-      Spread(near_rest, guard);
-      if (motor && model.backlash_rad > 0.0) {
-        MarkContacts(motor_q / ratio - q, model.backlash_rad, locked, options.contact_guard_s,
-                     &segment, &touches, &ringing);
-        Spread(touches, guard);
-      }
-      if (!run.held) settling = Settling(segment.at_rest, v * dt, options.settle_distance);
-      const auto border = run.held
-                              ? Eigen::Index{0}
-                              : static_cast<Eigen::Index>(std::lround(options.border_s * rate));
-      for (Eigen::Index i = 0; i < piece.size(); ++i) {
-        const auto k = static_cast<std::size_t>(i);
-        segment.use.push_back(!piece.valid[k]                            ? RowUse::kHole
-                              : i < border || i >= piece.size() - border ? RowUse::kBorder
-                              : segment.at_rest[k] || unsure[k]          ? RowUse::kRest
-                              : near_rest[k]                             ? RowUse::kReversal
-                              : touches[k] || ringing[k]                 ? RowUse::kContact
-                              : settling[k]                              ? RowUse::kSettling
-                                                                         : RowUse::kUsed);
-        segment.usable.push_back(static_cast<char>(segment.use.back() == RowUse::kUsed));
-      }
-      out.segments.push_back(std::move(segment));
+      out.segments.push_back(
+          MakeSegment(run, uniform.segments[number], number, model, options, &out));
     }
   }
   for (const actuator::Term& term : model.terms) {

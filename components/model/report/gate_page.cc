@@ -1,12 +1,9 @@
-#include "components/model/report/gate_page.h"
-
 #include <algorithm>
 #include <cmath>
 
-#include "components/base/types/seconds.h"
 #include "components/model/gate/channels.h"
 #include "components/model/gate/rules.h"
-#include "components/model/report/section.h"
+#include "components/model/report/page_parts.h"
 
 namespace sinew::report {
 
@@ -16,78 +13,19 @@ using gate::Fault;
 using types::Run;
 using types::Signal;
 
-constexpr Eigen::Index kMostRows = 1800;  // of a line
 constexpr std::size_t kMostFaults = 6, kMostRecordings = 4;
 
-struct Line {
-  std::string name;
-  const char* colour;
-  std::vector<double> x, y;
-  bool points = false;
-};
+constexpr int kPanel_px = 165;
 
-struct Panel {
-  std::string label;
-  std::vector<Line> lines;
-};
-
-std::string TimeRange(const std::vector<Panel>& panels) {
-  double low = 0.0, high = 0.0;
-  bool some = false;
-  for (const Panel& panel : panels) {
-    for (const Line& line : panel.lines) {
-      for (const double x : line.x) {
-        low = some ? std::min(low, x) : x;
-        high = some ? std::max(high, x) : x;
-        some = true;
-      }
-    }
-  }
-  return high > low ? "set xrange [" + PictureNumber(low) + ":" + PictureNumber(high) + "]\n" : "";
-}
-
-// Panels under each other, over the same time: the recording's, from its start.
+// Panels over the recording's time from its start.
 Picture Stack(const std::string& title, const std::string& caption, const Run& run,
               std::vector<Panel> panels) {
   for (Panel& panel : panels) {
-    for (Line& line : panel.lines) {
+    for (Series& line : panel.series) {
       for (double& x : line.x) x -= run.time_s[0];
     }
   }
-  std::string data, plots;
-  const auto count = panels.size();
-  // Pixels: a line of text above, the axis with its name below, a gap between panels.
-  constexpr double kAbove = 30.0, kBelow = 66.0, kPanel = 165.0, kGap = 18.0;
-  const double height = kAbove + kBelow + kPanel * static_cast<double>(count);
-  int number = 0;
-  for (std::size_t p = 0; p < count; ++p) {
-    const double top = height - kAbove - kPanel * static_cast<double>(p);
-    plots += "set tmargin at screen " + PictureNumber(top / height) + "\nset bmargin at screen " +
-             PictureNumber((top - kPanel + (p + 1 == count ? 0.0 : kGap)) / height) + "\n";
-    plots += p + 1 == count ? "set format x '%g'\nset xlabel 'time from the start, s'\n"
-                            : "set format x ''\nunset xlabel\n";
-    plots += "set ylabel '" + panels[p].label + "'\nplot ";
-    for (std::size_t l = 0; l < panels[p].lines.size(); ++l) {
-      const Line& line = panels[p].lines[l];
-      const std::string block = "$d" + std::to_string(number++);
-      data += block + " << EOD\n";
-      for (std::size_t i = 0; i < line.x.size(); ++i) {
-        data += PictureNumber(line.x[i]) + " " + PictureNumber(line.y[i]) + "\n";
-      }
-      data += "EOD\n";
-      plots += (l == 0 ? "" : ", ") + block + " using 1:2 with " +
-               (line.points ? "points pt 7 ps 0.8" : "lines lw 1.2") + " lc rgb '" + line.colour +
-               "' " + (line.name.empty() ? "notitle" : "title '" + line.name + "'");
-    }
-    plots += "\n";
-  }
-  Picture out;
-  out.title = title;
-  out.caption = caption;
-  out.script = PictureHead(static_cast<int>(height)) + data + TimeRange(panels) +
-               "set lmargin at screen 0.1\nset rmargin at screen 0.97\nset multiplot\n" + plots +
-               "unset multiplot\n";
-  return out;
+  return Chart(title, caption, "time from the start, s", kPanel_px, panels);
 }
 
 std::string Label(Signal signal, types::JointKind kind) {
@@ -96,13 +34,11 @@ std::string Label(Signal signal, types::JointKind kind) {
   return name + ", " + std::string(types::SignalUnit(signal, kind));
 }
 
-// Every k-th row, so that a line stays a line; rows of a fault keep all of theirs.
-Line RowsOf(const Run& run, Signal signal, Eigen::Index first, Eigen::Index last,
-            const char* colour, const std::string& name) {
-  Line out{name, colour, {}, {}, false};
+Series RowsOf(const Run& run, Signal signal, Eigen::Index first, Eigen::Index last,
+              const char* colour, const std::string& name) {
+  Series out = {name, colour, {}, {}};
   const Eigen::VectorXd& x = run.At(signal);
-  const Eigen::Index stride = std::max<Eigen::Index>(1, (last - first + 1) / kMostRows);
-  for (Eigen::Index i = first; i <= last; i += stride) {
+  for (Eigen::Index i = first; i <= last; ++i) {
     if (!std::isfinite(x[i]) || !std::isfinite(run.time_s[i])) continue;
     out.x.push_back(run.time_s[i]);
     out.y.push_back(x[i]);
@@ -129,11 +65,10 @@ Picture AtRows(const Fault& fault, const Run& run, Signal signal) {
   const Eigen::Index around = std::max<Eigen::Index>(40, fault.last_row - fault.first_row + 1);
   const Eigen::Index first = std::max<Eigen::Index>(0, fault.first_row - around);
   const Eigen::Index last = std::min(run.size() - 1, fault.last_row + around);
-  Line wrong =
+  Series wrong =
       RowsOf(run, signal, fault.first_row, fault.last_row, kBeforeColour, "rows of the fault");
-  wrong.points = true;
-  Line all = RowsOf(run, signal, first, last, kMeasuredColour, "as recorded");
-  if (fault.last_row - fault.first_row < 3) all.points = false;
+  wrong.style = "points pt 7 ps 0.8";
+  const Series all = RowsOf(run, signal, first, last, kMeasuredColour, "as recorded");
   std::vector<Panel> panels = {{Label(signal, run.kind), {all, wrong}}};
   std::optional<Signal> beside = AngleOf(run);
   if (beside == signal) {
@@ -161,9 +96,9 @@ Picture Speeds(const Fault& fault, const Run& run, const actuator::JointModel& m
   const double end = at.empty() ? 0.0 : at.front() + 120.0 * half;
   while (!at.empty() && at.back() > end) at.pop_back();
   const auto local = gate::LocalCubics(run, {angle, measured}, half, at);
-  Line derived{
-      gear ? "output, differentiated" : "its angle, differentiated", kAfterColour, at, {}, false};
-  Line shown{gear ? "motor over gear ratio" : "as recorded", kBeforeColour, at, {}, false};
+  Series derived = {
+      gear ? "output, differentiated" : "its angle, differentiated", kAfterColour, at, {}};
+  Series shown = {gear ? "motor over gear ratio" : "as recorded", kBeforeColour, at, {}};
   const double ratio = gear && model.constants.gear_ratio > 0.0 ? model.constants.gear_ratio : 1.0;
   for (std::size_t i = 0; i < at.size(); ++i) {
     const auto k = static_cast<Eigen::Index>(i);
@@ -242,59 +177,25 @@ std::vector<Picture> MakePictures(const gate::GateReport& gate, const std::vecto
   return out;
 }
 
-std::string FormatFaultTable(const std::vector<Fault>& faults) {
-  if (faults.empty()) return "";
-  std::string out = "<h2>Faults of the data</h2>\n<div class=\"wide\"><table>" +
-                    HtmlRow({"rule", "where", "statistic", "limit", "reason", "remedy"}, "th");
-  for (const Fault& fault : faults) {
-    std::string where = Escape(fault.signal);
-    if (!fault.recording.empty()) where += (where.empty() ? "" : "<br>") + Escape(fault.recording);
-    if (fault.last_row >= fault.first_row && !fault.recording.empty()) {
-      where += "<br>rows " + std::to_string(fault.first_row) + " to " +
-               std::to_string(fault.last_row) + ", " + types::SecondsText(fault.from_s) + " to " +
-               types::SecondsText(fault.to_s) + " s";
-    }
-    const std::string accept = fault.accepted ? "accepted"
-                                              : "to continue in spite of it: <code>" +
-                                                    Escape(gate::AcceptOption(fault)) + "</code>";
-    out += HtmlRow({"<code>" + Escape(fault.rule) + "</code><br>" + accept, where,
-                    Short(fault.statistic), Short(fault.limit), Escape(fault.reason),
-                    Escape(fault.remedy)});
+Page MakeCheckPage(const Report& report, std::vector<Picture> pictures) {
+  std::vector<Recording> recordings = report.train;
+  recordings.insert(recordings.end(), report.held_out.begin(), report.held_out.end());
+  Section rules = TableSection("Largest statistic of each rule",
+                               {"rule", "statistic", "limit", "largest here", "where"}, "", true);
+  for (const gate::Measurement& at : report.gate.largest) {
+    rules.Add({at.rule, std::string(gate::FindRule(at.rule).statistic), Short(at.limit),
+               Short(at.statistic),
+               at.signal + (at.recording.empty() ? "" : " of " + at.recording)});
   }
-  return out + "</table></div>\n";
-}
-
-std::string FormatHtml(const DataCheck& check, const std::vector<Picture>& pictures,
-                       const std::vector<std::string>& svgs) {
-  std::string out = HtmlHead("Data check: " + check.robot);
-  out += "<h1>Data check: " + Escape(check.robot) + ", " + Escape(check.joint) + "</h1>\n";
-  std::string names;
-  for (const auto* list : {&check.train, &check.held_out}) {
-    for (const Recording& recording : *list) {
-      names += (names.empty() ? "" : ", ") + Escape(recording.name);
-    }
-  }
-  out += "<div class=\"meta\">" + names + ". Model " + Escape(check.model_file) + ".</div>\n";
-  out += "<div class=\"verdict " + std::string(check.gate.stops() ? "unexplained" : "none") +
-         "\">" + Escape(VerdictSentence(check.gate)) + "</div>\n";
-  out += FormatFaultTable(check.gate.faults);
-  for (std::size_t i = 0; i < pictures.size() && i < svgs.size(); ++i) {
-    out += "<figure><h3>" + Escape(pictures[i].title) + "</h3>" + svgs[i] +
-           "<p class=\"caption\">" + Escape(pictures[i].caption) + "</p></figure>\n";
-  }
-  out += "<h2>Findings</h2>\n<ul>";
-  for (const identify::Finding& finding : check.gate.findings) {
-    out += "<li>" + Escape(finding.text) + "</li>\n";
-  }
-  out += "</ul>\n<h2>Largest statistic of each rule</h2>\n<div class=\"wide\"><table>" +
-         HtmlRow({"rule", "statistic", "limit", "largest here", "where"}, "th");
-  for (const gate::Measurement& at : check.gate.largest) {
-    const gate::Rule& rule = gate::FindRule(at.rule);
-    out += HtmlRow({"<code>" + Escape(at.rule) + "</code>", Escape(std::string(rule.statistic)),
-                    Short(at.limit), Short(at.statistic),
-                    Escape(at.signal + (at.recording.empty() ? "" : " of " + at.recording))});
-  }
-  return out + "</table></div>\n</main></body></html>\n";
+  return {.title = "Data check: " + report.robot + ", " + report.joint,
+          .meta = NamesOf(recordings) + ". Model " + report.model_file + ".",
+          .verdict = VerdictWord(report.gate),
+          .outcome = VerdictWord(report.gate),
+          .sentence = VerdictSentence(report.gate),
+          .sections = {FaultSection(report.gate),
+                       {.pictures = std::move(pictures)},
+                       DataSection(report.gate),
+                       std::move(rules)}};
 }
 
 }  // namespace sinew::report

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 namespace sinew::report {
 
@@ -19,7 +20,28 @@ inline constexpr const char* kBeforeColour = "#d95f02";
 inline constexpr const char* kAfterColour = "#1b7f9e";
 inline constexpr const char* kSeriesColours[] = {"#7a9a5b", "#8d5fa8", "#c9a227", "#b5525c"};
 
-// The start of every script: terminal, font, borders, grid, key. height in pixels, width is 920.
+// Points in a panel; one that is not finite interrupts the line. Of more than 2500 every k-th is
+// drawn.
+struct Series {
+  std::string name{};    // in the key; empty: not there
+  std::string colour{};  // empty: by its place in the panel
+  std::vector<double> x{}, y{};
+  std::string style = "lines lw 1.2";  // gnuplot's
+  std::vector<double> spread{};        // standard deviation of y, for styles with bars
+};
+
+struct Panel {
+  std::string label;  // of its y axis
+  std::vector<Series> series;
+  std::string y_range = "*:*";  // gnuplot's
+};
+
+// Panels of that height under each other, over the same x.
+Picture Chart(const std::string& title, const std::string& caption, const std::string& x_label,
+              int panel_px, const std::vector<Panel>& panels);
+
+// The start of every other script: terminal, font, borders, grid, key. height in pixels, width is
+// 920.
 std::string PictureHead(int height);
 
 // A number for a script's data block.

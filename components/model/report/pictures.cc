@@ -2,6 +2,8 @@
 #include <cmath>
 #include <cstdio>
 #include <functional>
+#include <limits>
+#include <numbers>
 
 #include "components/model/identify/balance.h"
 #include "components/model/identify/statistics.h"
@@ -15,7 +17,6 @@ namespace {
 using effects::JointSample;
 using identify::Design;
 
-constexpr int kMostPoints = 2500;
 constexpr double kShown_s = 10.0;  // of a recording in the picture
 
 struct Axis {
@@ -25,48 +26,38 @@ struct Axis {
 };
 
 Axis AxisFor(const std::string& variable, types::JointKind kind) {
-  const bool rotary = kind == types::JointKind::kRotary;
-  const std::string angle = rotary ? "rad" : "m";
-  if (variable == "position_rad") {
-    return {variable, "position, " + angle, [](const JointSample& x) { return x.position_rad; }};
+  struct Known {
+    const char* start;  // of the variable's name
+    const char* label;  // @: the unit of an angle
+    double JointSample::*value;
+  };
+  static constexpr Known kKnown[] = {
+      {"position_rad", "position, @", &JointSample::position_rad},
+      {"motor_position_rad", "motor angle within a turn, rad", &JointSample::motor_position_rad},
+      {"pressure_bar", "pressure, bar", &JointSample::pressure_bar},
+      {"pressure_rate_bar_s", "rate of pressure, bar/s", &JointSample::pressure_rate_bar_s},
+      {"drive_input", "drive input", &JointSample::drive_input},
+      {"drive_rate", "rate of the drive input", &JointSample::drive_rate},
+      {"jerk_rad_s3", "jerk, @/s^3", &JointSample::jerk_rad_s3},
+      {"acceleration", "acceleration, @/s^2", &JointSample::acceleration_rad_s2},
+      {"motor_acceleration", "acceleration, @/s^2", &JointSample::acceleration_rad_s2},
+      {"temperature_degC", "temperature, degC", &JointSample::temperature_degC},
+      {"time_s", "time from the start, s", &JointSample::time_s},
+      {"load_force_N", "load force, N", &JointSample::load_force_N}};
+  Known found = {"velocity_rad_s", "velocity, @/s", &JointSample::velocity_rad_s};
+  for (const Known& known : kKnown) {
+    if (variable.starts_with(known.start)) found = known;
   }
-  if (variable == "motor_position_rad") {
-    return {variable, "motor angle within a turn, rad", [](const JointSample& x) {
-              return std::remainder(x.motor_position_rad, 6.283185307179586);
-            }};
+  std::string label = found.label;
+  const std::size_t at = label.find('@');
+  if (at != std::string::npos) {
+    label.replace(at, 1, kind == types::JointKind::kRotary ? "rad" : "m");
   }
-  if (variable == "pressure_bar") {
-    return {variable, "pressure, bar", [](const JointSample& x) { return x.pressure_bar; }};
-  }
-  if (variable == "pressure_rate_bar_s") {
-    return {variable, "rate of pressure, bar/s",
-            [](const JointSample& x) { return x.pressure_rate_bar_s; }};
-  }
-  if (variable == "drive_input") {
-    return {variable, "drive input", [](const JointSample& x) { return x.drive_input; }};
-  }
-  if (variable == "drive_rate") {
-    return {variable, "rate of the drive input", [](const JointSample& x) { return x.drive_rate; }};
-  }
-  if (variable == "jerk_rad_s3") {
-    return {variable, "jerk, " + angle + "/s^3",
-            [](const JointSample& x) { return x.jerk_rad_s3; }};
-  }
-  if (variable.starts_with("acceleration") || variable.starts_with("motor_acceleration")) {
-    return {variable, "acceleration, " + angle + "/s^2",
-            [](const JointSample& x) { return x.acceleration_rad_s2; }};
-  }
-  if (variable == "temperature_degC") {
-    return {variable, "temperature, degC", [](const JointSample& x) { return x.temperature_degC; }};
-  }
-  if (variable == "time_s") {
-    return {variable, "time from the start, s", [](const JointSample& x) { return x.time_s; }};
-  }
-  if (variable == "load_force_N") {
-    return {variable, "load force, N", [](const JointSample& x) { return x.load_force_N; }};
-  }
-  return {"velocity_rad_s", "velocity, " + angle + "/s",
-          [](const JointSample& x) { return x.velocity_rad_s; }};
+  const auto value = found.value;
+  const bool turns = value == &JointSample::motor_position_rad;
+  return {found.start, label, [value, turns](const JointSample& x) {
+            return turns ? std::remainder(x.*value, 2.0 * std::numbers::pi) : x.*value;
+          }};
 }
 
 // Seconds that a picture can show line by line.
@@ -97,183 +88,155 @@ Eigen::Index BusiestRow(const Design& design, const Eigen::VectorXd& torque, dou
   return start;
 }
 
+// Series of the refitted and, where an effect was added, of the corrected model.
+std::vector<Series> BothModels(const Report& report, const std::string& style) {
+  std::vector<Series> out = {{"refitted", kBeforeColour, {}, {}, style}};
+  if (HasCorrection(report.trace)) out.push_back({"corrected", kAfterColour, {}, {}, style});
+  return out;
+}
+
+void AddPoint(double x, double before, double after, std::vector<Series>* both) {
+  for (std::size_t k = 0; k < both->size(); ++k) {
+    (*both)[k].x.push_back(x);
+    (*both)[k].y.push_back(k == 0 ? before : after);
+  }
+}
+
+constexpr double kGapInLine = std::numeric_limits<double>::quiet_NaN();
+
 Picture MeasuredAgainstModel(const Report& report, const Design& held_out,
                              const Eigen::VectorXd& torque) {
   const identify::Rows& rows = held_out.rows();
   const trace::TraceResult& trace = report.trace;
-  const std::string unit = TorqueUnit(trace.corrected.kind);
-  const bool changed = HasCorrection(trace);
   const double window_s = WindowLength(held_out);
   const Eigen::Index first = BusiestRow(held_out, torque, window_s);
-  std::string data = "$d << EOD\n";
+  Series measured = {"measured", kMeasuredColour, {}, {}, "lines lw 3"};
+  std::vector<Series> models = BothModels(report, "lines lw 1.6");
   for (Eigen::Index i = first; i < rows.size() && rows.segment[static_cast<std::size_t>(i)] ==
                                                       rows.segment[static_cast<std::size_t>(first)];
        ++i) {
     if (rows.time_s[i] > rows.time_s[first] + window_s) break;
-    const bool used = rows.used[static_cast<std::size_t>(i)];
-    data += PictureNumber(rows.time_s[i] - rows.time_s[0]) + " " + PictureNumber(torque[i]) + " " +
-            (used ? PictureNumber(torque[i] - trace.before_held_out.residual[i]) : "NaN") + " " +
-            (used ? PictureNumber(torque[i] - trace.after_held_out.residual[i]) : "NaN") + "\n";
+    const double unused = rows.used[static_cast<std::size_t>(i)] ? 0.0 : kGapInLine;
+    measured.x.push_back(rows.time_s[i] - rows.time_s[0]);
+    measured.y.push_back(torque[i]);
+    AddPoint(measured.x.back(), torque[i] - trace.before_held_out.residual[i] + unused,
+             torque[i] - trace.after_held_out.residual[i] + unused, &models);
   }
-  data += "EOD\n";
-  Picture out;
-  out.title = "Measured against model, held-out recordings";
-  out.caption = "Drive torque at the output, busiest " + Short(window_s) +
-                " s. Gaps in the model: rest and reversals, which are excluded.";
-  out.script =
-      PictureHead(340) + data + "set xlabel 'time from the start, s'\nset ylabel 'drive, " + unit +
-      "'\n" + "plot $d u 1:2 w l lw 3 lc rgb '" + kMeasuredColour +
-      "' t 'measured', '' u 1:3 w l lw 1.6 lc rgb '" + kBeforeColour + "' t 'refitted'" +
-      (changed ? std::string(", '' u 1:4 w l lw 1.6 lc rgb '") + kAfterColour + "' t 'corrected'"
-               : "") +
-      "\n";
-  return out;
+  models.insert(models.begin(), std::move(measured));
+  return Chart("Measured against model, held-out recordings",
+               "Drive torque at the output, busiest " + Short(window_s) +
+                   " s. Gaps in the model: rest and reversals, which are excluded.",
+               "time from the start, s", 244,
+               {{"drive, " + TorqueUnit(trace.corrected.kind), std::move(models)}});
 }
 
 Picture ResidualOverTime(const Report& report, const Design& held_out) {
   const identify::Rows& rows = held_out.rows();
   const trace::TraceResult& trace = report.trace;
-  const bool changed = HasCorrection(trace);
   const std::string unit = TorqueUnit(trace.corrected.kind);
-  const Eigen::Index step = std::max<Eigen::Index>(1, rows.size() / kMostPoints);
-  std::string data = "$d << EOD\n";
-  for (Eigen::Index i = 0; i < rows.size(); i += step) {
-    if (rows.used[static_cast<std::size_t>(i)]) {
-      data += PictureNumber(rows.time_s[i] - rows.time_s[0]) + " " +
-              PictureNumber(trace.before_held_out.residual[i]) + " " +
-              PictureNumber(trace.after_held_out.residual[i]) + "\n";
-    } else {
-      data += "\n";
-    }
+  std::vector<Series> models = BothModels(report, "lines lw 1");
+  for (Eigen::Index i = 0; i < rows.size(); ++i) {
+    const double unused = rows.used[static_cast<std::size_t>(i)] ? 0.0 : kGapInLine;
+    AddPoint(rows.time_s[i] - rows.time_s[0], trace.before_held_out.residual[i] + unused,
+             trace.after_held_out.residual[i] + unused, &models);
   }
-  data += "EOD\n";
-  Picture out;
-  out.title = "Residual over time, held-out recordings";
-  out.caption =
-      "Residual of the torque balance while the joint moves: " + Short(trace.before_held_out.rms) +
-      " " + unit + " rms refitted, " + Short(trace.after_held_out.rms) + " " + unit +
-      " rms corrected.";
-  out.script =
-      PictureHead(300) + data + "set xlabel 'time from the start, s'\nset ylabel 'residual, " +
-      unit + "'\nplot $d u 1:2 w l lw 1 lc rgb '" + kBeforeColour + "' t 'refitted'" +
-      (changed ? std::string(", '' u 1:3 w l lw 1 lc rgb '") + kAfterColour + "' t 'corrected'"
-               : "") +
-      "\n";
-  return out;
+  return Chart("Residual over time, held-out recordings",
+               "Residual of the torque balance while the joint moves: " +
+                   Short(trace.before_held_out.rms) + " " + unit + " rms refitted, " +
+                   Short(trace.after_held_out.rms) + " " + unit + " rms corrected.",
+               "time from the start, s", 204, {{"residual, " + unit, std::move(models)}});
 }
 
-Picture ResidualOverVariable(const Report& report, const Design& design, const Axis& axis,
-                             const Eigen::VectorXd& before, const Eigen::VectorXd& after) {
-  const trace::TraceResult& trace = report.trace;
-  const std::string unit = TorqueUnit(trace.corrected.kind);
-  const bool changed = HasCorrection(trace);
-  const std::vector<Eigen::Index> used = design.rows().UsedRows();
-  Eigen::VectorXd x = design.Variable(axis.get);
-  if (axis.name == "time_s") x.array() -= x[0];
-  const std::size_t step = std::max<std::size_t>(1, used.size() / kMostPoints);
-  std::string points = "$p << EOD\n";
-  for (std::size_t k = 0; k < used.size(); k += step) {
-    points += PictureNumber(x[used[k]]) + " " + PictureNumber(before[used[k]]) + "\n";
-  }
-  points += "EOD\n";
-  // Means over bins with equal numbers of rows.
+// Means of the residuals over bins with equal numbers of rows.
+void AddMeans(const Eigen::VectorXd& x, const std::vector<Eigen::Index>& used, std::size_t most,
+              const Eigen::VectorXd& before, const Eigen::VectorXd& after,
+              std::vector<Series>* means) {
   std::vector<std::pair<double, Eigen::Index>> sorted;
   sorted.reserve(used.size());
   for (const Eigen::Index i : used) sorted.emplace_back(x[i], i);
   std::sort(sorted.begin(), sorted.end());
-  // Within a motor turn there may be many periods.
-  const std::size_t most = axis.name == "motor_position_rad" ? 180 : 24;
   const std::size_t bins = std::min<std::size_t>(most, sorted.size() / 20 + 1);
-  std::string means = "$m << EOD\n";
   for (std::size_t b = 0; b < bins; ++b) {
-    const std::size_t from = b * sorted.size() / bins;
-    const std::size_t to = (b + 1) * sorted.size() / bins;
+    const std::size_t from = b * sorted.size() / bins, to = (b + 1) * sorted.size() / bins;
     if (to <= from) continue;
-    double mx = 0.0;
-    double mb = 0.0;
-    double ma = 0.0;
+    double mx = 0.0, mb = 0.0, ma = 0.0;
     for (std::size_t k = from; k < to; ++k) {
       mx += sorted[k].first;
       mb += before[sorted[k].second];
       ma += after[sorted[k].second];
     }
     const double n = static_cast<double>(to - from);
-    means +=
-        PictureNumber(mx / n) + " " + PictureNumber(mb / n) + " " + PictureNumber(ma / n) + "\n";
+    AddPoint(mx / n, mb / n, ma / n, means);
   }
-  means += "EOD\n";
+}
+
+Picture ResidualOverVariable(const Report& report, const Design& design, const Axis& axis,
+                             const Eigen::VectorXd& before, const Eigen::VectorXd& after) {
+  const std::vector<Eigen::Index> used = design.rows().UsedRows();
+  Eigen::VectorXd x = design.Variable(axis.get);
+  if (axis.name == "time_s") x.array() -= x[0];
+  Series rows = {"refitted, every row", "#f0b98a", {}, {}, "points pt 7 ps 0.28"};
+  for (const Eigen::Index i : used) {
+    rows.x.push_back(x[i]);
+    rows.y.push_back(before[i]);
+  }
+  std::vector<Series> series = BothModels(report, "linespoints pt 7 ps 0.4 lw 2");
+  for (Series& mean : series) mean.name += ", mean";
+  // Within a motor turn there may be many periods.
+  AddMeans(x, used, axis.name == "motor_position_rad" ? 180 : 24, before, after, &series);
+  series.insert(series.begin(), std::move(rows));
   std::vector<double> sizes;
   sizes.reserve(used.size());
   for (const Eigen::Index i : used) sizes.push_back(std::abs(before[i]));
-  const double limit = 1.3 * identify::Quantile(sizes, 0.995);
-  Picture out;
-  out.title =
-      "Residual against " + axis.label.substr(0, axis.label.find(',')) + ", training recordings";
-  out.caption =
-      "Dots: residual of the refitted declared model; lines: means over equal numbers of rows.";
-  out.script = PictureHead(340) + points + means + "set xlabel '" + axis.label +
-               "'\nset ylabel 'residual, " + unit + "'\nset yrange [" + PictureNumber(-limit) +
-               ":" + PictureNumber(limit) +
-               "]\nplot $p u 1:2 w p pt 7 ps 0.28 lc rgb '#f0b98a' t 'refitted, every row', $m u "
-               "1:2 w lp pt "
-               "7 "
-               "ps 0.4 lw 2 lc rgb '" +
-               kBeforeColour + "' t 'refitted, mean'" +
-               (changed ? std::string(", '' u 1:3 w lp pt 7 ps 0.4 lw 2 lc rgb '") + kAfterColour +
-                              "' t 'corrected, mean'"
-                        : "") +
-               "\n";
-  return out;
+  const std::string limit = PictureNumber(1.3 * identify::Quantile(sizes, 0.995));
+  return Chart(
+      "Residual against " + axis.label.substr(0, axis.label.find(',')) + ", training recordings",
+      "Dots: residual of the refitted declared model; lines: means over equal numbers of rows.",
+      axis.label, 244,
+      {{"residual, " + TorqueUnit(report.trace.corrected.kind), std::move(series),
+        "-" + limit + ":" + limit}});
 }
 
-// Amplitude of the residual at every order of the motor's (or output's) angle: sine and cosine by
-// least squares over the used rows, one order at a time.
+// Amplitude of a residual at an order of an angle: sine and cosine by least squares over the used
+// rows.
+double Amplitude(const Eigen::VectorXd& residual, const Eigen::VectorXd& angle, double order,
+                 const std::vector<Eigen::Index>& used) {
+  double ss = 0.0, cc = 0.0, sc = 0.0, sy = 0.0, cy = 0.0;
+  for (const Eigen::Index i : used) {
+    const double s = std::sin(order * angle[i]), c = std::cos(order * angle[i]);
+    ss += s * s;
+    cc += c * c;
+    sc += s * c;
+    sy += s * residual[i];
+    cy += c * residual[i];
+  }
+  const double determinant = ss * cc - sc * sc;
+  if (!(determinant > 1e-9 * ss * cc)) return 0.0;
+  return std::hypot((cc * sy - sc * cy) / determinant, (ss * cy - sc * sy) / determinant);
+}
+
 Picture SpectrumByAngle(const Report& report, const Design& design, const Eigen::VectorXd& before,
                         const Eigen::VectorXd& after) {
-  const trace::TraceResult& trace = report.trace;
   const bool motor = design.states().measured.contains("motor_position_rad");
   const Eigen::VectorXd angle = design.Variable(
       [&](const JointSample& x) { return motor ? x.motor_position_rad : x.position_rad; });
   const std::vector<Eigen::Index> used = design.rows().UsedRows();
   constexpr int kOrders = 45;
   constexpr int kParts = 2;  // of an order
-  const auto amplitude = [&](const Eigen::VectorXd& residual, double order) {
-    double ss = 0.0, cc = 0.0, sc = 0.0, sy = 0.0, cy = 0.0;
-    for (const Eigen::Index i : used) {
-      const double s = std::sin(order * angle[i]);
-      const double c = std::cos(order * angle[i]);
-      ss += s * s;
-      cc += c * c;
-      sc += s * c;
-      sy += s * residual[i];
-      cy += c * residual[i];
-    }
-    const double determinant = ss * cc - sc * sc;
-    if (!(determinant > 1e-9 * ss * cc)) return 0.0;
-    return std::hypot((cc * sy - sc * cy) / determinant, (ss * cy - sc * sy) / determinant);
-  };
-  std::string data = "$d << EOD\n";
+  std::vector<Series> models = BothModels(report, "lines lw 1.6");
   for (int k = 1; k <= kOrders * kParts; ++k) {
     const double order = static_cast<double>(k) / kParts;
-    data += PictureNumber(order) + " " + PictureNumber(amplitude(before, order)) + " " +
-            PictureNumber(amplitude(after, order)) + "\n";
+    AddPoint(order, Amplitude(before, angle, order, used), Amplitude(after, angle, order, used),
+             &models);
   }
-  data += "EOD\n";
-  Picture out;
   const std::string turn = motor ? "motor" : "output";
-  out.title = "Spectrum of the residual by angle, training recordings";
-  out.caption = "Amplitude at every order of the " + turn +
-                "'s turn: torques that repeat with the angle (cogging, teeth, eccentric gears) "
-                "appear as lines.";
-  out.script =
-      PictureHead(300) + data + "set xlabel 'periods per turn of the " + turn +
-      "'\nset ylabel 'amplitude, " + TorqueUnit(trace.corrected.kind) +
-      "'\nset yrange [0:*]\nplot $d u 1:2 w l lw 1.6 lc rgb '" + kBeforeColour + "' t 'refitted'" +
-      (!HasCorrection(trace)
-           ? ""
-           : std::string(", '' u 1:3 w l lw 1.6 lc rgb '") + kAfterColour + "' t 'corrected'") +
-      "\n";
-  return out;
+  return Chart(
+      "Spectrum of the residual by angle, training recordings",
+      "Amplitude at every order of the " + turn +
+          "'s turn: torques that repeat with the angle (cogging, teeth, eccentric gears) "
+          "appear as lines.",
+      "periods per turn of the " + turn, 204,
+      {{"amplitude, " + TorqueUnit(report.trace.corrected.kind), std::move(models), "0:*"}});
 }
 
 Picture Candidates(const trace::RoundReport& round) {
@@ -363,34 +326,27 @@ Picture PathPicture(const free_run::FreeRunResult& following, types::JointKind k
   const free_run::Trace& trace = following.traces.front();
   const auto rows =
       std::min(trace.measured.size(), static_cast<std::size_t>(kShown_s / trace.period_s) + 1);
-  std::string data = "$d << EOD\n";
-  for (std::size_t i = 0; i < rows; ++i) {
-    const auto number = [](double value) {
-      return std::isfinite(value) ? PictureNumber(value) : std::string("NaN");
-    };
-    data += PictureNumber(trace.period_s * static_cast<double>(i)) + " " +
-            number(trace.measured[i]) + " " + number(trace.simulated[before][i]) + " " +
-            number(trace.simulated[after][i]) + " " +
-            number(1e3 * (trace.simulated[before][i] - trace.measured[i])) + " " +
-            number(1e3 * (trace.simulated[after][i] - trace.measured[i])) + "\n";
-  }
-  data += "EOD\n";
-  Picture out;
-  out.title = "Simulated beside measured";
-  out.caption =
-      "The first seconds; where a line begins anew the simulation started from the "
-      "measured state again. Below: simulated less measured, " +
-      unit + ".";
-  const auto line = [](const char* columns, const char* colour, const char* title) {
-    return std::string("$d u ") + columns + " w l lw 1.6 lc rgb '" + colour + "' t '" + title + "'";
+  Panel path = {rotary ? "position, rad" : "position, m", {}}, off = {unit, {}};
+  const auto add = [&](const char* name, const char* colour, const std::vector<double>& position) {
+    Series series = {name, colour, {}, {}, "lines lw 1.6"};
+    for (std::size_t i = 0; i < rows; ++i) {
+      series.x.push_back(trace.period_s * static_cast<double>(i));
+      series.y.push_back(position[i]);
+    }
+    path.series.push_back(series);
+    if (&position == &trace.measured) return;
+    for (std::size_t i = 0; i < rows; ++i) series.y[i] = 1e3 * (series.y[i] - trace.measured[i]);
+    off.series.push_back(std::move(series));
   };
-  out.script = PictureHead(520) + data + "set multiplot layout 2,1\nset ylabel 'position, " +
-               (rotary ? "rad" : "m") + "'\nplot " + line("1:2", kMeasuredColour, "measured") +
-               ", " + line("1:3", kBeforeColour, "before") + ", " +
-               line("1:4", kAfterColour, "after") + "\nset xlabel 'time, s'\nset ylabel '" + unit +
-               "'\nplot " + line("1:5", kBeforeColour, "before") + ", " +
-               line("1:6", kAfterColour, "after") + "\nunset multiplot\n";
-  return out;
+  add("measured", kMeasuredColour, trace.measured);
+  add("before", kBeforeColour, trace.simulated[before]);
+  add("after", kAfterColour, trace.simulated[after]);
+  for (Series& series : off.series) series.name.clear();
+  return Chart("Simulated beside measured",
+               "The first seconds; where a line begins anew the simulation started from the "
+               "measured state again. Below: simulated less measured, " +
+                   unit + ".",
+               "time, s", 212, {std::move(path), std::move(off)});
 }
 
 std::vector<Picture> MakePictures(const Report& report, const Design& train,

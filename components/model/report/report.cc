@@ -62,13 +62,17 @@ std::string EffectLabel(const trace::TraceResult& trace, const trace::FoundEffec
          Short(term.nonlinear.front().value) + ")";
 }
 
-std::string NamedSetText(const trace::FoundEffect& effect) {
+std::string NamedSetText(const trace::Posterior& posterior) {
   std::vector<std::string> names;
-  for (std::size_t k = 0; k < trace::NamedCount(effect.posterior); ++k) {
-    const auto& [name, probability] = effect.posterior[k];
+  for (std::size_t k = 0; k < trace::NamedCount(posterior); ++k) {
+    const auto& [name, probability] = posterior[k];
     names.push_back(name + " (" + std::to_string(std::lround(100.0 * probability)) + " %)");
   }
   return Join(names, " or ");
+}
+
+std::string VerdictWord(const Report& report) {
+  return report.gate.stops() ? VerdictWord(report.gate) : VerdictWord(report.trace.verdict);
 }
 
 std::string VerdictWord(trace::Verdict verdict) {
@@ -146,7 +150,9 @@ std::string RefusalText(const trace::FoundEffect& effect) {
          ", limit " + Short(refusal.limit);
 }
 
-std::string OutcomeWord(const trace::TraceResult& trace) {
+std::string OutcomeWord(const Report& report) {
+  const trace::TraceResult& trace = report.trace;
+  if (report.gate.stops()) return VerdictWord(report);
   if (trace.verdict == trace::Verdict::kUnexplained) {
     return !trace.unexplained.variable.empty() ? "unexplained"
            : !trace.open.empty()               ? "open"
@@ -276,6 +282,7 @@ std::string GivenSentence(const std::set<std::string>& given, const trace::Trace
 }  // namespace
 
 std::string VerdictSentence(const Report& report) {
+  if (report.gate.stops()) return VerdictSentence(report.gate);
   if (report.trace.too_little) return Found(report);
   std::string out;
   if (report.given) out = GivenSentence(*report.given, report.trace);
@@ -298,6 +305,7 @@ std::string RotationText(const trace::Rotation& rotation) {
 
 std::string NextExperiment(const Report& report) {
   const trace::TraceResult& trace = report.trace;
+  if (report.gate.stops()) return "";
   if (trace.too_little) {
     return "Record the joint moving for longer: both directions, several speeds, over its range, "
            "in "

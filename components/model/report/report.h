@@ -13,7 +13,7 @@
 #include "components/model/identify/as_published.h"
 #include "components/model/identify/design.h"
 #include "components/model/identify/finding.h"
-#include "components/model/report/picture.h"
+#include "components/model/report/section.h"
 #include "components/model/trace/rotation.h"
 #include "components/model/trace/trace_result.h"
 
@@ -37,13 +37,13 @@ inline std::string NamesOf(const std::vector<Recording>& recordings) {
 inline constexpr std::size_t kDeclaredModel = 0, kRefittedModel = 1, kCorrectedModel = 2;
 
 struct Report {
-  std::string robot;
-  std::string model_file;
-  std::vector<Recording> train;
-  std::vector<Recording> held_out;
+  std::string robot, joint, model_file;
+  std::vector<Recording> train;     // those of check-data, too
+  std::vector<Recording> held_out;  // without any: those of `train`, each of them once
   identify::ProcessingOptions processing;
-  std::vector<gate::Fault> faults;  // of the data, all of them accepted
-  std::vector<identify::Finding> findings;
+  // What the data gate found; where it stops nothing was traced. Its findings are completed by what
+  // the processing finds.
+  gate::GateReport gate;
   trace::TraceResult trace;
   std::optional<identify::AsPublishedResult> as_published;
   free_run::FreeRunResult free_run;  // declared, refitted, corrected on the held-out recordings
@@ -53,6 +53,9 @@ struct Report {
   std::optional<std::set<std::string>> given;
   std::uint64_t seed = 1;
   double seconds = 0.0;  // it took
+
+  // False: the data stopped it (data_fault, too_little_data), and there is no corrected model.
+  bool assessed() const { return !gate.stops() && !trace.too_little; }
 };
 
 // "Nm" or "N".
@@ -73,9 +76,9 @@ actuator::Term FittedTerm(const trace::TraceResult& trace, const trace::FoundEff
 // The effect's name; with its first nonlinear parameter when it was found more than once.
 std::string EffectLabel(const trace::TraceResult& trace, const trace::FoundEffect& effect);
 
-// The effect and its rivals with their probabilities, e.g. "load_dependent_friction (49 %) or
-// drive_efficiency_direction (48 %)".
-std::string NamedSetText(const trace::FoundEffect& effect);
+// The names that are 90 % probable together, with their probabilities, e.g.
+// "load_dependent_friction (49 %) or drive_efficiency_direction (48 %)".
+std::string NamedSetText(const trace::Posterior& posterior);
 
 // "quadratic_Nm_s2_rad2 = 0.4 +- 0.02": every parameter of the effect with its 95 % interval.
 std::string SizesText(const trace::TraceResult& trace, const trace::FoundEffect& effect);
@@ -93,11 +96,15 @@ std::string VerdictSentence(const Report& report);
 // The experiment that would separate the effect from its rivals or show what is hidden; may be
 // empty.
 std::string NextExperiment(const Report& report);
+std::string VerdictWord(const Report& report);
 std::string VerdictWord(trace::Verdict verdict);
-// Finer: "effect", "open" (neither confirmed nor refuted), "training_only" (refuted held out),
-// "unexplained" (follows a variable), "not_detectable", "nothing" (the residual is the sensors'
-// noise), "too_little_data".
-std::string OutcomeWord(const trace::TraceResult& trace);
+// Of the data alone: "data_fault" or "ok".
+std::string VerdictWord(const gate::GateReport& gate);
+std::string VerdictSentence(const gate::GateReport& gate);
+// Finer than the verdict: "effect", "open" (neither confirmed nor refuted), "training_only"
+// (refuted held out), "unexplained" (follows a variable), "not_detectable", "nothing" (the residual
+// is the sensors' noise), "too_little_data", "data_fault".
+std::string OutcomeWord(const Report& report);
 
 // Measured against model, residuals over time, residual over its variable, candidates, errors by
 // round.
@@ -108,11 +115,12 @@ std::vector<Picture> MakePictures(const Report& report, const identify::Design& 
 Picture PathPicture(const free_run::FreeRunResult& following, types::JointKind kind,
                     std::size_t before, std::size_t after);
 
-// The page where the recordings have too little data (TraceResult::too_little).
-std::string FormatTooLittleHtml(const Report& report);
+// Up to six faults, each where it is, then an overview of up to four recordings.
+std::vector<Picture> MakePictures(const gate::GateReport& gate, const std::vector<types::Run>& runs,
+                                  const actuator::JointModel& model);
 
-// The page. svgs: one per picture, in order.
-std::string FormatHtml(const Report& report, const std::vector<Picture>& pictures,
-                       const std::vector<std::string>& svgs);
+// The page of close-loop, whatever the verdict; of check-data.
+Page MakePage(const Report& report, std::vector<Picture> pictures);
+Page MakeCheckPage(const Report& report, std::vector<Picture> pictures);
 
 }  // namespace sinew::report

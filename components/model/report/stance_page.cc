@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "components/base/types/joined.h"
-#include "components/model/report/section.h"
+#include "components/model/report/page_parts.h"
 
 namespace sinew::report {
 
@@ -14,7 +14,6 @@ using stance_fit::PlacedPayload;
 using stance_fit::StanceEffect;
 using stance_fit::StanceFitResult;
 
-constexpr Eigen::Index kMostRows = 2500;  // of a picture
 constexpr const char* kAxisNames[] = {"x", "y", "z"};
 
 std::string PlaceText(const PlacedPayload& payload) {
@@ -32,131 +31,81 @@ std::string PlaceText(const PlacedPayload& payload) {
   return shown + hidden;
 }
 
-std::string ProbableNames(const StanceEffect& effect) {
-  std::string out;
-  for (std::size_t i = 0; i < trace::NamedCount(effect.posterior); ++i) {
-    out += (i > 0 ? " or " : "") + effect.posterior[i].name +
-           Text(" (%.0f %%)", 100.0 * effect.posterior[i].probability);
+Section ErrorSection(const StanceFitResult& result) {
+  Section out = {.title = "Errors"};
+  for (const bool held_out : {true, false}) {
+    out.tables.push_back(
+        {.header = {held_out ? "rms, held-out recordings" : "rms, training recordings", "declared",
+                    "corrected", "unit"}});
+    for (const StanceErrorLine& line : StanceErrors(result, held_out)) {
+      out.Add({line.what, Short(line.declared), Short(line.corrected), line.unit});
+    }
+  }
+  out.tables.back().caption =
+      "Declared: the model file as it is. Corrected: refitted to the training recordings with the "
+      "effects that are in the model. Moments are about the point on the ground midway between the "
+      "feet; a joint's torque is what is left once the forces that no sensor measures took what "
+      "fits them best.";
+  return out;
+}
+
+Section EffectSection(const std::vector<StanceEffect>& effects, const char* title) {
+  Section out = TableSection(title, {"effect", "removes", "p", "held-out recordings", "names"});
+  for (const StanceEffect& effect : effects) {
+    std::string text = StanceEffectText(effect);
+    if (effect.payload) text += "\nmoves with " + types::Joined(effect.payload->rigid_with);
+    if (!effect.in_model) text += "\nnot in the model";
+    out.Add({text, Percent(effect.gain_share), Text("%.2g", effect.p),
+             ConfirmedText(effect.confirmation), NamedSetText(effect.posterior)});
   }
   return out;
 }
 
-std::string ConfirmedText(const trace::Confirmation& confirmation) {
-  if (confirmation.blocks == 0) return "not tested";
-  return std::string(trace::ConfirmationWord(confirmation.verdict)) + ", slope " +
-         Short(confirmation.slope) + " [" + Short(confirmation.lower) + ", " +
-         Short(confirmation.upper) + "]";
-}
-
-std::string ErrorTableHtml(const StanceFitResult& result) {
-  std::string out = "<h2>Errors</h2>\n";
-  for (const bool held_out : {true, false}) {
-    out += "<table>" + HtmlRow({held_out ? "rms, held-out recordings" : "rms, training recordings",
-                                "declared", "corrected", "unit"},
-                               "th");
-    for (const StanceErrorLine& line : StanceErrors(result, held_out)) {
-      out += HtmlRow({Escape(line.what), Short(line.declared), Short(line.corrected), line.unit});
-    }
-    out += "</table>\n";
-  }
-  return out +
-         "<p class=\"caption\">Declared: the model file as it is. Corrected: refitted to the "
-         "training recordings with the effects that are in the model. Moments are about the point "
-         "on the ground midway between the feet; a joint's torque is what is left once the forces "
-         "that no sensor measures took what fits them best.</p>\n";
-}
-
-std::string EffectTable(const std::vector<StanceEffect>& effects, const char* title) {
-  if (effects.empty()) return "";
-  std::string out = "<h2>" + std::string(title) + "</h2>\n<table>" +
-                    HtmlRow({"effect", "removes", "p", "held-out recordings", "names"}, "th");
-  for (const StanceEffect& effect : effects) {
-    std::string text = Escape(StanceEffectText(effect));
-    if (effect.payload) {
-      text += "<br>moves with " + Escape(types::Joined(effect.payload->rigid_with));
-    }
-    if (!effect.in_model) text += "<br>not in the model";
-    out += HtmlRow({text, Text("%.1f %%", 100.0 * effect.gain_share), Text("%.2g", effect.p),
-                    Escape(ConfirmedText(effect.confirmation)), Escape(ProbableNames(effect))});
-  }
-  return out + "</table>\n";
-}
-
-std::string Hidden(const StanceFitResult& result) {
-  std::string out =
-      "<h2>Not excited by these recordings</h2>\n<table>" + HtmlRow({"what", "why"}, "th");
-  for (const trace::NotExcited& hidden : result.not_excited) {
-    out += HtmlRow({Escape(hidden.effect), Escape(hidden.reason)});
-  }
-  if (result.not_excited.empty()) out += HtmlRow({"nothing", ""});
-  return out + "</table>\n";
-}
-
-std::string SmallestSizes(const StanceFitResult& result) {
-  if (result.detectable.empty()) return "";
-  std::string out =
-      "<h2>Smallest detectable sizes</h2>\n<p class=\"caption\">The smallest size of each effect "
-      "that this search finds in 80 % of recordings like these, with the effect alone. Smaller "
-      "effects may be present.</p><table>" +
-      HtmlRow({"effect", "parameter", "smallest detectable size"}, "th");
+Section DetectableSection(const StanceFitResult& result) {
+  Section out =
+      TableSection("Smallest detectable sizes", {"effect", "parameter", "smallest detectable size"},
+                   "The smallest size of each effect that this search finds in 80 % of recordings "
+                   "like these, with the effect alone. Smaller effects may be present.",
+                   true);
   for (const stance_fit::SmallestSize& size : result.detectable) {
-    out += HtmlRow({Escape(size.effect), "<code>" + Escape(size.parameter) + "</code>",
-                    Text("%.2g", size.size)});
+    out.Add({size.effect, size.parameter, Text("%.2g", size.size)});
   }
-  return out + "</table>\n";
+  return out;
 }
 
-std::string RecordingTable(const StanceReport& report) {
-  std::string out = "<h2>The recordings</h2>\n<table>" +
-                    HtmlRow({"recording", "used for", "rows", "duration, s"}, "th");
-  for (const auto& [list, use] :
-       {std::pair{&report.train, "training"}, std::pair{&report.held_out, "held out"}}) {
-    for (const Recording& recording : *list) {
-      out += HtmlRow({Escape(recording.name), use, std::to_string(recording.rows),
-                      Short(recording.duration_s)});
-    }
+Section ShiftSection(const StanceReport& report) {
+  Section out = TableSection(
+      "Absorbed by refitting", {"parameter", "declared", "corrected", "tolerances"},
+      "Declared values that moved by more than two tolerances. Less than what names an "
+      "effect, but the corrected model has them.");
+  for (const StanceShift& shift : StanceShifts(report)) {
+    out.Add({shift.parameter, Short(shift.declared), Short(shift.corrected),
+             Text("%.1f", shift.tolerances)});
   }
-  return out + "</table>\n";
-}
-
-std::string ShiftTable(const StanceReport& report) {
-  const std::vector<StanceShift> shifts = StanceShifts(report);
-  if (shifts.empty()) return "";
-  std::string out =
-      "<h2>Absorbed by refitting</h2>\n<p class=\"caption\">Declared values that moved by more "
-      "than "
-      "two tolerances. Less than what names an effect, but the corrected model has "
-      "them.</p><table>" +
-      HtmlRow({"parameter", "declared", "corrected", "tolerances"}, "th");
-  for (const StanceShift& shift : shifts) {
-    out += HtmlRow({"<code>" + Escape(shift.parameter) + "</code>", Short(shift.declared),
-                    Short(shift.corrected), Text("%.1f", shift.tolerances)});
-  }
-  return out + "</table>\n";
+  return out;
 }
 
 Picture SeriesPicture(const stance_fit::BalanceSeries& series, Eigen::Index column,
                       const std::string& what, const std::string& unit) {
-  Picture picture;
-  picture.title = what + ": what the models leave of the held-out recordings";
-  picture.caption = "Rows in use: both feet flat, every moving joint away from rest and reversals.";
-  picture.script =
-      PictureHead(300) + "set xlabel 'time from the start, s'\nset ylabel '" + unit + "'\n";
+  Series before = {"declared", kBeforeColour, {}, {}, "points pt 7 ps 0.3"};
+  Series after = {"corrected", kAfterColour, {}, {}, "points pt 7 ps 0.3"};
   const Eigen::Index rows = series.time_s.size();
-  const Eigen::Index step = std::max<Eigen::Index>(1, rows / kMostRows);
-  for (const auto& [name, values] :
-       {std::pair{"$before", &series.before}, std::pair{"$after", &series.after}}) {
-    picture.script += std::string(name) + " << EOD\n";
-    for (Eigen::Index i = 0; i < rows; i += step) {
-      picture.script += PictureNumber(series.time_s[i] - series.time_s[0]) + " " +
-                        PictureNumber((*values)(i, column)) + "\n";
-    }
-    picture.script += "EOD\n";
+  for (Eigen::Index i = 0; i < rows; ++i) {
+    before.x.push_back(series.time_s[i] - series.time_s[0]);
+    before.y.push_back(series.before(i, column));
+    after.y.push_back(series.after(i, column));
   }
-  picture.script += "plot $before with dots lw 2 lc rgb '" + std::string(kBeforeColour) +
-                    "' title 'declared', $after with dots lw 2 lc rgb '" + kAfterColour +
-                    "' title 'corrected'\n";
-  return picture;
+  after.x = before.x;
+  return Chart(what + ": what the models leave of the held-out recordings",
+               "Rows in use: both feet flat, every moving joint away from rest and reversals.",
+               "time from the start, s", 204, {{unit, {std::move(before), std::move(after)}}});
+}
+
+std::vector<Picture> Pictures(const stance_fit::BalanceSeries& series) {
+  if (series.time_s.size() == 0) return {};
+  return {SeriesPicture(series, 2, "Vertical force", "N"),
+          SeriesPicture(series, 0, "Moment about the forward axis", "Nm"),
+          SeriesPicture(series, 1, "Moment about the axis to the left", "Nm")};
 }
 
 }  // namespace
@@ -249,41 +198,38 @@ std::vector<StanceShift> StanceShifts(const StanceReport& report) {
   return out;
 }
 
-std::vector<Picture> MakePictures(const StanceReport& report) {
-  const stance_fit::BalanceSeries& series = report.result.held_out;
-  if (series.time_s.size() == 0) return {};
-  return {SeriesPicture(series, 2, "Vertical force", "N"),
-          SeriesPicture(series, 0, "Moment about the forward axis", "Nm"),
-          SeriesPicture(series, 1, "Moment about the axis to the left", "Nm")};
-}
-
-std::string FormatHtml(const StanceReport& report, const std::vector<Picture>& pictures,
-                       const std::vector<std::string>& svgs) {
+Page MakePage(const StanceReport& report) {
   const StanceFitResult& result = report.result;
-  std::string out = HtmlHead("Closing the loop: " + report.robot);
-  out += "<h1>Closing the loop: " + Escape(report.robot) + ", on two feet</h1>\n" +
-         "<div class=\"meta\">Trained on " + Escape(NamesOf(report.train)) +
-         ". Held out: " + Escape(NamesOf(report.held_out)) + ". Model " +
-         Escape(report.model_file) + ".</div>\n" + "<div class=\"verdict " +
-         VerdictWord(result.verdict) + "\">" + Escape(VerdictSentence(report)) + "</div>\n";
+  Page page = {.title = "Closing the loop: " + report.robot + ", on two feet",
+               .meta = MetaText(report.train, report.held_out, report.model_file),
+               .verdict = VerdictWord(result.verdict),
+               .outcome = VerdictWord(result.verdict),
+               .sentence = VerdictSentence(report)};
+  const Section recordings = RecordingsSection(report.train, report.held_out);
   if (!result.too_little.empty()) {
-    return out + "<h2>Next experiment</h2><p>Squats of 10 s and more, both feet flat.</p>\n" +
-           RecordingTable(report) + "</main></body></html>\n";
+    page.sections = {NextSection("Squats of 10 s and more, both feet flat."), recordings};
+    return page;
   }
-  out += ErrorTableHtml(result) + EffectTable(result.effects, "Effects found") +
-         EffectTable(result.refuted, "Refuted on the held-out recordings");
-  for (std::size_t i = 0; i < pictures.size() && i < svgs.size(); ++i) {
-    out += "<figure><h3>" + Escape(pictures[i].title) + "</h3>" + svgs[i] +
-           "<p class=\"caption\">" + Escape(pictures[i].caption) + "</p></figure>\n";
-  }
-  out += ShiftTable(report) + Hidden(result) + SmallestSizes(result) + RecordingTable(report);
-  return out + "<h2>Method</h2>\n<p class=\"meta\">" + std::to_string(result.rows) +
-         " rows in use, " + std::to_string(result.channels) +
-         " channels of the balance of the floating base (components/model/stance_fit); low-pass " +
-         Short(result.low_pass_Hz) + " Hz; p of the whole search " +
-         Text("%.2g", result.p_global.value_or(1.0)) + " by sign flips of " +
-         std::to_string(result.blocks) + " blocks, seed " + std::to_string(report.seed) + "; " +
-         Short(report.seconds) + " s.</p>\n</main></body></html>\n";
+  page.sections = {
+      ErrorSection(result),
+      EffectSection(result.effects, "Effects found"),
+      EffectSection(result.refuted, "Refuted on the held-out recordings"),
+      {.pictures = Pictures(result.held_out)},
+      ShiftSection(report),
+      NotExcitedSection(result.not_excited),
+      DetectableSection(result),
+      recordings,
+      {.title = "Method",
+       .paragraphs = {std::to_string(result.rows) + " rows in use, " +
+                      std::to_string(result.channels) +
+                      " channels of the balance of the floating base "
+                      "(components/model/stance_fit); low-pass " +
+                      Short(result.low_pass_Hz) + " Hz; p of the whole search " +
+                      Text("%.2g", result.p_global.value_or(1.0)) + " by sign flips of " +
+                      std::to_string(result.blocks) + " blocks, seed " +
+                      std::to_string(report.seed) + "; " + Short(report.seconds) + " s."},
+       .detail = true}};
+  return page;
 }
 
 }  // namespace sinew::report

@@ -6,7 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "components/model/report/picture.h"
 #include "components/model/report/report.h"
 #include "components/model/stance_fit/stance_fit.h"
 
@@ -52,12 +51,6 @@ inline constexpr double kShift = 2.0;  // of a normal value one in 22 is further
 // Of declared terms that no effect in the model changed.
 std::vector<StanceShift> StanceShifts(const StanceReport& report);
 
-// What the declared and the corrected model leave of the held-out recordings over time; none where
-// nothing was fitted.
-std::vector<Picture> MakePictures(const StanceReport& report);
-
-// The page. svgs: one per picture, in order.
-std::string FormatHtml(const StanceReport& report, const std::vector<Picture>& pictures,
-                       const std::vector<std::string>& svgs);
+Page MakePage(const StanceReport& report);
 
 }  // namespace sinew::report

@@ -120,7 +120,7 @@ TEST(CloseLoopGate, AFaultEndsWithTheVerdictDataFaultAndNothingIsTraced) {
   EXPECT_THAT(run.output, HasSubstr("spike: motor_current of spiked.csv"));
   EXPECT_THAT(run.output, HasSubstr("verdict: data_fault\n"));
   const auto json = nlohmann::json::parse(Read(out / "report.json"));
-  EXPECT_EQ(json["schema"], "sinew-close-loop/2");
+  EXPECT_EQ(json["schema"], "sinew-close-loop/3");
   EXPECT_EQ(json["verdict"], "data_fault");
   EXPECT_EQ(json["faults"].size(), 1u);
   EXPECT_TRUE(json["effects"].empty());

@@ -107,7 +107,7 @@ TEST(TuneSection, ThePressuresHaveTheirEnergiesAndTheLargerPeakOfBothLegs) {
   EXPECT_EQ(table.rows[1][static_cast<std::size_t>(knee - table.header.begin())], "12");
   EXPECT_EQ(table.rows[2][1], "falls after 2.5 s");
   ASSERT_EQ(section.pictures.size(), 2u);
-  EXPECT_EQ(PointsOf(section.pictures[0].script, "points"), 1) << "not the one that fell";
+  EXPECT_EQ(PointsOf(section.pictures[0].script, "d1"), 1) << "not the one that fell";
   EXPECT_NO_THROW((void)report::DrawPictures(section.pictures));
 }
 

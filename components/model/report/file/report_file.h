@@ -1,24 +1,22 @@
-// The report as JSON.
+// Results of close-loop as JSON.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
-#include <string>
 
-#include "components/model/report/file/section_file.h"
-#include "components/model/report/gate_page.h"
 #include "components/model/report/report.h"
+#include "components/model/report/stance_page.h"
 
 namespace sinew::report {
 
-// report.json; keys are documented in docs/formats.md.
-std::string FormatJson(const Report& report);
+// report.json; keys are documented in docs/formats.md. Where nothing was traced, because the data
+// gate stopped or the recordings have too little data, what was found is empty.
+nlohmann::ordered_json ReportJson(const Report& report);
+nlohmann::ordered_json ReportJson(const StanceReport& report);
+// check.json of `sinew check-data`.
+nlohmann::ordered_json CheckJson(const Report& report);
 
-// check.json of `sinew check-data`; and report.json of a close-loop that stopped at the data gate:
-// the same keys, with nothing found.
-std::string FormatCheckJson(const DataCheck& check);
-std::string FormatDataFaultJson(const DataCheck& check);
-// report.json where the recordings have too little data (TraceResult::too_little).
-std::string FormatTooLittleJson(const Report& report);
-nlohmann::ordered_json FaultsJson(const std::vector<gate::Fault>& faults);
+// Parts of them: name, content_hash, rows, duration_s of each; name and probability of each.
+nlohmann::ordered_json RecordingsJson(const std::vector<Recording>& recordings);
+nlohmann::ordered_json PosteriorJson(const trace::Posterior& posterior);
 
 }  // namespace sinew::report

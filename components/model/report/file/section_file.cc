@@ -39,6 +39,11 @@ Comparison ComparisonOf(const Json& json) {
 
 }  // namespace
 
+std::string DrawnHtml(Page page) {
+  for (Section& section : page.sections) section.svgs = DrawPictures(section.pictures);
+  return FormatHtml(page);
+}
+
 void WriteSection(const std::filesystem::path& folder, Section section) {
   CheckSection(section);
   section.svgs = DrawPictures(section.pictures);

@@ -13,6 +13,9 @@ namespace sinew::report {
 // std::runtime_error with gnuplot's words when it refuses a script.
 std::vector<std::string> DrawPictures(const std::vector<Picture>& pictures);
 
+// The page with its pictures drawn.
+std::string DrawnHtml(Page page);
+
 // Draws the pictures and writes folder/section.json and folder/<id>-<n>.svg; section.json comes
 // last and as a whole. Makes the folder. Throws std::invalid_argument (CheckSection),
 // std::runtime_error (gnuplot), UsageError (folder).

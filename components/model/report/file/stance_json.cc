@@ -1,18 +1,15 @@
-#include "components/model/report/file/stance_json.h"
-
 #include <nlohmann/json.hpp>
 
-#include "components/base/types/json_text.h"
-#include "components/model/report/file/recordings_json.h"
+#include "components/model/report/file/report_file.h"
 
 namespace sinew::report {
 
 namespace {
 
-using StanceJson = nlohmann::ordered_json;
+using Json = nlohmann::ordered_json;
 
-StanceJson OfPayload(const stance_fit::PlacedPayload& payload) {
-  StanceJson place = StanceJson::array(), width = place, excited = place;
+Json OfPayload(const stance_fit::PlacedPayload& payload) {
+  Json place = Json::array(), width = place, excited = place;
   for (Eigen::Index axis = 0; axis < 3; ++axis) {
     place.push_back(payload.place_m[axis]);
     width.push_back(payload.place_half_width_95[axis]);
@@ -24,26 +21,23 @@ StanceJson OfPayload(const stance_fit::PlacedPayload& payload) {
           {"position_excited", excited}};
 }
 
-StanceJson OfEffects(const std::vector<stance_fit::StanceEffect>& effects) {
-  StanceJson out = StanceJson::array();
+Json OfEffects(const std::vector<stance_fit::StanceEffect>& effects) {
+  Json out = Json::array();
   for (const stance_fit::StanceEffect& effect : effects) {
-    StanceJson entry = {{"effect", effect.name}, {"place", effect.place}};
+    Json entry = {{"effect", effect.name}, {"place", effect.place}};
     if (effect.payload) entry["payload"] = OfPayload(*effect.payload);
     if (effect.term) {
       const effects::EffectInfo& info = effect.term->effect->info();
-      StanceJson parameters = StanceJson::object();
-      const auto add = [&](const effects::ParameterInfo& parameter,
-                           const actuator::ParameterValue& value) {
-        StanceJson& to = parameters[effects::ParameterKey(parameter, types::JointKind::kRotary)];
-        to["value"] = value.value;
-        if (value.half_width_95) to["half_width_95"] = *value.half_width_95;
+      Json parameters = Json::object();
+      const auto add = [&](const auto& names, const auto& values) {
+        for (std::size_t i = 0; i < names.size(); ++i) {
+          Json& to = parameters[effects::ParameterKey(names[i], types::JointKind::kRotary)];
+          to["value"] = values[i].value;
+          if (values[i].half_width_95) to["half_width_95"] = *values[i].half_width_95;
+        }
       };
-      for (std::size_t i = 0; i < info.linear.size(); ++i) {
-        add(info.linear[i], effect.term->linear[i]);
-      }
-      for (std::size_t i = 0; i < info.nonlinear.size(); ++i) {
-        add(info.nonlinear[i], effect.term->nonlinear[i]);
-      }
+      add(info.linear, effect.term->linear);
+      add(info.nonlinear, effect.term->nonlinear);
       entry["parameters"] = parameters;
     }
     entry["gain_share"] = effect.gain_share;
@@ -54,19 +48,15 @@ StanceJson OfEffects(const std::vector<stance_fit::StanceEffect>& effects) {
         {"lower", effect.confirmation.lower},
         {"upper", effect.confirmation.upper},
         {"blocks", effect.confirmation.blocks}};
-    StanceJson names = StanceJson::array();
-    for (const trace::NameProbability& name : effect.posterior) {
-      names.push_back({{"name", name.name}, {"probability", name.probability}});
-    }
-    entry["posterior"] = names;
+    entry["posterior"] = PosteriorJson(effect.posterior);
     entry["in_model"] = effect.in_model;
     out.push_back(std::move(entry));
   }
   return out;
 }
 
-StanceJson OfErrors(const stance_fit::StanceFitResult& result, bool held_out) {
-  StanceJson out = StanceJson::object();
+Json OfErrors(const stance_fit::StanceFitResult& result, bool held_out) {
+  Json out = Json::object();
   for (const StanceErrorLine& line : StanceErrors(result, held_out)) {
     out[line.key] = {
         {"declared", line.declared}, {"corrected", line.corrected}, {"unit", line.unit}};
@@ -76,19 +66,19 @@ StanceJson OfErrors(const stance_fit::StanceFitResult& result, bool held_out) {
 
 }  // namespace
 
-std::string FormatJson(const StanceReport& report) {
+Json ReportJson(const StanceReport& report) {
   const stance_fit::StanceFitResult& result = report.result;
-  StanceJson out = {{"robot", report.robot},
-                    {"model_file", report.model_file},
-                    {"verdict", VerdictWord(result.verdict)},
-                    {"sentence", VerdictSentence(report)}};
+  Json out = {{"robot", report.robot},
+              {"model_file", report.model_file},
+              {"verdict", VerdictWord(result.verdict)},
+              {"sentence", VerdictSentence(report)}};
   if (result.too_little.empty()) {
     if (result.p_global) out["p_global"] = *result.p_global;
     out["effects"] = OfEffects(result.effects);
     out["refuted"] = OfEffects(result.refuted);
     out["unexplained"] = result.unexplained;
     out["errors"] = {{"held_out", OfErrors(result, true)}, {"train", OfErrors(result, false)}};
-    StanceJson hidden = StanceJson::array(), sizes = hidden;
+    Json hidden = Json::array(), sizes = hidden;
     for (const trace::NotExcited& entry : result.not_excited) {
       hidden.push_back({{"effect", entry.effect}, {"reason", entry.reason}});
     }
@@ -96,7 +86,7 @@ std::string FormatJson(const StanceReport& report) {
       sizes.push_back(
           {{"effect", size.effect}, {"parameter", size.parameter}, {"size", size.size}});
     }
-    StanceJson shifts = StanceJson::array();
+    Json shifts = Json::array();
     for (const StanceShift& shift : StanceShifts(report)) {
       shifts.push_back({{"parameter", shift.parameter},
                         {"declared", shift.declared},
@@ -118,7 +108,7 @@ std::string FormatJson(const StanceReport& report) {
   out["held_out"] = RecordingsJson(report.held_out);
   out["seed"] = report.seed;
   out["seconds"] = report.seconds;
-  return types::JsonText(out, 2) + "\n";
+  return out;
 }
 
 }  // namespace sinew::report

@@ -23,10 +23,6 @@ Result Example() {
                         .truth = 9.0,
                         .target_share = 0.1,
                         .has_interval = false}};
-  result.figures = {{.title = "it's a figure",
-                     .x_label = "x",
-                     .y_label = "y",
-                     .series = {{.name = "a", .x = {0.0, 1.0}, .y = {1.0, 2.0}, .line = true}}}};
   return result;
 }
 
@@ -46,14 +42,6 @@ TEST(Page, AMissedTargetIsReported) {
   Result result = Example();
   result.quantities[0].estimate.value = 2.8;
   EXPECT_EQ(MakeSection(result).comparisons[0].met, false);
-}
-
-TEST(Page, APictureHasItsDataAndNoQuoteThatEndsAString) {
-  const report::Picture picture = MakePicture(Example().figures[0]);
-  EXPECT_NE(picture.script.find("plot $d0"), std::string::npos);
-  EXPECT_NE(picture.script.find("1 2"), std::string::npos);
-  Figure empty;
-  EXPECT_NE(MakePicture(empty).script.find("plot 0"), std::string::npos);
 }
 
 TEST(Rows, CsvHasALineForEachRow) {

@@ -8,6 +8,7 @@
 
 #include "components/model/report/errors.h"
 #include "components/model/report/file/report_file.h"
+#include "components/model/report/file/section_file.h"
 #include "components/model/trace/close_loop.h"
 #include "components/model/trace/rules.h"
 #include "tests/components/model/identify/synthetic.h"
@@ -42,7 +43,7 @@ Made Make(bool effect) {
   out.report.train = {{"train.csv", "0123", 12000, 60.0}};
   out.report.held_out = {{"held_out.csv", "4567", 12000, 60.0}};
   out.report.processing = identify::SyntheticProcessing();
-  out.report.findings = {{"rate", "sampled at 200 Hz", 200.0, "Hz"}};
+  out.report.gate.findings = {{"rate", "sampled at 200 Hz", 200.0, "Hz"}};
   out.report.trace = std::move(loop.trace);
   out.pictures = MakePictures(out.report, *loop.train, *loop.held_out);
   return out;
@@ -50,7 +51,7 @@ Made Make(bool effect) {
 
 TEST(Report, JsonHoldsWhatProgramsAskFor) {
   const Made made = Make(true);
-  const nlohmann::json json = nlohmann::json::parse(FormatJson(made.report));
+  const nlohmann::json json = ReportJson(made.report);
   EXPECT_EQ(json["verdict"], "effect");
   ASSERT_EQ(json["effects"].size(), 1u);
   const nlohmann::json& effect = json["effects"][0];
@@ -63,8 +64,7 @@ TEST(Report, JsonHoldsWhatProgramsAskFor) {
   EXPECT_LT(effect["p"].get<double>(), 0.01);
   for (const char* set : {"train", "held_out"}) {
     EXPECT_EQ(json[set]["unit"], "Nm");
-    EXPECT_LT(json[set]["after"].get<double>(), json[set]["before"].get<double>());
-    EXPECT_EQ(json[set]["after"], json[set]["after_rms"]);
+    EXPECT_LT(json[set]["corrected_rms"].get<double>(), json[set]["refitted_rms"].get<double>());
   }
   EXPECT_TRUE(effect["in_model"].get<bool>());
   EXPECT_EQ(json["outcome"], "effect");
@@ -76,8 +76,8 @@ TEST(Report, JsonHoldsWhatProgramsAskFor) {
   ASSERT_EQ(json["errors"].size(), 2u);
   EXPECT_EQ(json["errors"][1]["what"], "held_out");
   EXPECT_EQ(json["errors"][1]["declared"], json["held_out"]["declared_rms"]);
-  EXPECT_EQ(json["errors"][1]["refitted"], json["held_out"]["before"]);
-  EXPECT_EQ(json["errors"][1]["corrected"], json["held_out"]["after"]);
+  EXPECT_EQ(json["errors"][1]["refitted"], json["held_out"]["refitted_rms"]);
+  EXPECT_EQ(json["errors"][1]["corrected"], json["held_out"]["corrected_rms"]);
   EXPECT_TRUE(json["rises"].empty());
   for (const char* key :
        {"not_excited", "unexplained", "parameter_shift", "base_parameters", "findings", "rounds"}) {
@@ -88,10 +88,10 @@ TEST(Report, JsonHoldsWhatProgramsAskFor) {
 
 TEST(Report, WithoutAnEffectTheVerdictIsNone) {
   const Made made = Make(false);
-  const nlohmann::json json = nlohmann::json::parse(FormatJson(made.report));
+  const nlohmann::json json = ReportJson(made.report);
   EXPECT_EQ(json["verdict"], "none");
   EXPECT_TRUE(json["effects"].empty());
-  EXPECT_EQ(json["held_out"]["before"], json["held_out"]["after"]);
+  EXPECT_EQ(json["held_out"]["refitted_rms"], json["held_out"]["corrected_rms"]);
   EXPECT_THAT(VerdictSentence(made.report), HasSubstr("Nothing beyond the noise"));
 }
 
@@ -128,16 +128,16 @@ TEST(Report, AnErrorThatRisesIsReportedWithWhatRaisesIt) {
 
 TEST(Report, NothingIsSaidOnlyWhereTheNoiseIsAllThatIsLeft) {
   Report report = WithErrors(3.0, 2.0, 2.0);
-  EXPECT_EQ(OutcomeWord(report.trace), "not_detectable");
+  EXPECT_EQ(OutcomeWord(report), "not_detectable");
   report.trace.noise_floor_rms = 0.5;
   report.trace.before_held_out.percent = 46.0;
-  EXPECT_EQ(OutcomeWord(report.trace), "not_detectable");
+  EXPECT_EQ(OutcomeWord(report), "not_detectable");
   EXPECT_THAT(VerdictSentence(report), AllOf(HasSubstr("46 % of the drive"),
                                              HasSubstr("the noise of the sensors is 0.5 Nm")));
   report.trace.noise_floor_rms = 1.9;
-  EXPECT_EQ(OutcomeWord(report.trace), "nothing");
+  EXPECT_EQ(OutcomeWord(report), "nothing");
   EXPECT_THAT(VerdictSentence(report), ::testing::StartsWith("Nothing beyond the noise"));
-  EXPECT_THAT(FormatHtml(report, {}, {}), HasSubstr("class=\"verdict nothing\""));
+  EXPECT_THAT(FormatHtml(MakePage(report, {})), HasSubstr("class=\"verdict nothing\""));
 }
 
 TEST(Report, WhatOnlyTrainingShowsIsReportedWithItsRule) {
@@ -151,14 +151,14 @@ TEST(Report, WhatOnlyTrainingShowsIsReportedWithItsRule) {
   effect.held_out_after = 2.62;
   effect.refusal = trace::RefusedBy(trace::rules::kRaises, 1.31);
   report.trace.refuted = {effect};
-  EXPECT_EQ(OutcomeWord(report.trace), "training_only");
+  EXPECT_EQ(OutcomeWord(report), "training_only");
   EXPECT_THAT(
       VerdictSentence(report),
       AllOf(::testing::StartsWith("Found in training, not in the held-out recordings: "
                                   "quadratic_viscous takes 62 % of the training misfit"),
             HasSubstr("the held-out error rises by 31.0 %; rule raises: 1.31, limit 1.01")));
   EXPECT_THAT(NextExperiment(report), HasSubstr("without a restart"));
-  const nlohmann::json json = nlohmann::json::parse(FormatJson(report));
+  const nlohmann::json json = ReportJson(report);
   EXPECT_EQ(json["verdict"], "unexplained");
   EXPECT_EQ(json["outcome"], "training_only");
   EXPECT_EQ(json["refuted"][0]["refused"]["rule"], "raises");
@@ -189,7 +189,7 @@ TEST(Report, AnOpenEffectIsReportedWithItsSizeApartFromThoseOfTheModel) {
   trace.open = std::move(trace.effects);
   trace.effects.clear();
   trace.verdict = trace::Verdict::kUnexplained;
-  const nlohmann::json json = nlohmann::json::parse(FormatJson(made.report));
+  const nlohmann::json json = ReportJson(made.report);
   EXPECT_EQ(json["verdict"], "unexplained");
   EXPECT_EQ(json["outcome"], "open");
   EXPECT_TRUE(json["effects"].empty());
@@ -198,7 +198,7 @@ TEST(Report, AnOpenEffectIsReportedWithItsSizeApartFromThoseOfTheModel) {
               0.05);
   EXPECT_THAT(json["sentence"].get<std::string>(),
               HasSubstr("Open, and not in the model: quadratic_viscous"));
-  EXPECT_THAT(FormatHtml(made.report, {}, {}), HasSubstr("Not in the model"));
+  EXPECT_THAT(FormatHtml(MakePage(made.report, {})), HasSubstr("Not in the model"));
 }
 
 TEST(Report, TheSmallestDetectableSizesAreReported) {
@@ -209,7 +209,7 @@ TEST(Report, TheSmallestDetectableSizesAreReported) {
                                    .size = 0.0625,
                                    .share = 0.03,
                                    .shape = {{"stribeck_velocity_rad_s", 0.25}}}};
-  const nlohmann::json json = nlohmann::json::parse(FormatJson(made.report))["detectable"];
+  const nlohmann::json json = ReportJson(made.report)["detectable"];
   EXPECT_EQ(json["power"], 0.8);
   EXPECT_EQ(json["p_global"], trace::rules::kGlobalP.limit);
   EXPECT_EQ(json["explained_share"], trace::rules::kExplainedShare.limit);
@@ -218,7 +218,7 @@ TEST(Report, TheSmallestDetectableSizesAreReported) {
   EXPECT_EQ(json["sizes"][0]["size"], 0.0625);
   EXPECT_EQ(json["sizes"][0]["unit"], "Nm");
   EXPECT_EQ(json["sizes"][0]["shape"]["stribeck_velocity_rad_s"], 0.25);
-  const std::string html = FormatHtml(made.report, {}, {});
+  const std::string html = FormatHtml(MakePage(made.report, {}));
   EXPECT_THAT(html, HasSubstr("Smallest detectable sizes"));
   EXPECT_THAT(html, HasSubstr("stribeck_velocity_rad_s = 0.25"));
 }
@@ -231,7 +231,7 @@ TEST(Report, ThePageStandsAlone) {
     EXPECT_THAT(svg, ::testing::StartsWith("<svg"));
     EXPECT_THAT(svg, HasSubstr("</svg>"));
   }
-  const std::string html = FormatHtml(made.report, made.pictures, svgs);
+  const std::string html = DrawnHtml(MakePage(made.report, made.pictures));
   EXPECT_THAT(html, HasSubstr("quadratic_viscous"));
   EXPECT_THAT(html, HasSubstr("a &lt;robot&gt;"));
   EXPECT_THAT(html, HasSubstr("<th>declared</th><th>refitted</th><th>corrected</th>"));
@@ -239,7 +239,7 @@ TEST(Report, ThePageStandsAlone) {
   EXPECT_THAT(html, HasSubstr("Residual over time"));
   EXPECT_THAT(html, HasSubstr("Residual against"));
   EXPECT_THAT(html, HasSubstr("Candidates"));
-  EXPECT_THAT(html, HasSubstr("Effects not excited by these recordings"));
+  EXPECT_THAT(html, HasSubstr("Not excited by these recordings"));
   EXPECT_THAT(html, Not(HasSubstr("<script src")));
   EXPECT_THAT(html, Not(HasSubstr("<link")));
   EXPECT_THAT(html, Not(HasSubstr("<img src=\"http")));

@@ -2,6 +2,7 @@
 // refused.
 #include "components/model/report/section.h"
 
+#include <cmath>
 #include <filesystem>
 
 #include "components/base/config/config.h"
@@ -81,6 +82,16 @@ TEST(Section, ABrokenFileIsNamed) {
     EXPECT_NE(std::string(problem.what()).find("section.json"), std::string::npos);
     EXPECT_NE(std::string(problem.what()).find("id"), std::string::npos);
   }
+}
+
+TEST(Chart, HasItsDataAndNoQuoteThatEndsAString) {
+  const Picture picture =
+      Chart("title", "", "it's x", 200,
+            {{"y", {{.name = "it's a", .x = {0.0, 1.0, 2.0}, .y = {1.0, std::nan(""), 2.0}}}}});
+  EXPECT_NE(picture.script.find("plot $d0"), std::string::npos);
+  EXPECT_NE(picture.script.find("0 1\n\n2 2\n"), std::string::npos);
+  EXPECT_EQ(picture.script.find("it's"), std::string::npos);
+  EXPECT_NE(Chart("", "", "x", 200, {{"y", {}}}).script.find("plot 0"), std::string::npos);
 }
 
 }  // namespace

@@ -6,7 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "components/model/report/file/stance_json.h"
+#include "components/model/report/file/report_file.h"
 
 namespace sinew::report {
 namespace {
@@ -100,17 +100,17 @@ TEST(StancePage, TooLittleDataIsSaidAndHasNoErrors) {
   result.too_little = "the recordings have 3 blocks";
   const StanceReport report = WithResult(result);
   EXPECT_THAT(VerdictSentence(report), HasSubstr("3 blocks"));
-  const std::string page = FormatHtml(report, {}, {});
+  const std::string page = FormatHtml(MakePage(report));
   EXPECT_THAT(page, HasSubstr("3 blocks"));
   EXPECT_THAT(page, Not(HasSubstr("<h2>Errors</h2>")));
-  const nlohmann::json json = nlohmann::json::parse(FormatJson(report));
+  const nlohmann::json json = ReportJson(report);
   EXPECT_EQ(json.at("verdict"), "too_little_data");
   EXPECT_FALSE(json.contains("errors"));
 }
 
 TEST(StancePage, ThePageHasEveryRowOfTheBalanceBeforeAndAfterAndEscapesNames) {
   const StanceReport report = WithResult(Found());
-  const std::string page = FormatHtml(report, {}, {});
+  const std::string page = FormatHtml(MakePage(report));
   EXPECT_THAT(page, HasSubstr("vertical force</td><td>39.5</td><td>5.5</td>"));
   EXPECT_THAT(page, HasSubstr("torque of right_knee</td><td>0.25</td><td>0.2</td>"));
   EXPECT_THAT(page, HasSubstr("moves with base, torso"));
@@ -119,7 +119,7 @@ TEST(StancePage, ThePageHasEveryRowOfTheBalanceBeforeAndAfterAndEscapesNames) {
 }
 
 TEST(StancePage, TheJsonHasThePayloadAndTheErrors) {
-  const nlohmann::json json = nlohmann::json::parse(FormatJson(WithResult(Found())));
+  const nlohmann::json json = ReportJson(WithResult(Found()));
   EXPECT_EQ(json.at("verdict"), "effect");
   const nlohmann::json& effect = json.at("effects").at(0);
   EXPECT_EQ(effect.at("payload").at("mass_kg"), 3.95);
@@ -152,18 +152,26 @@ TEST(StancePage, ListsDeclaredValuesThatTheRefitMovedFarBeyondTheirTolerance) {
   ASSERT_EQ(shifts.size(), 1u);
   EXPECT_EQ(shifts[0].parameter, "coulomb.coulomb_Nm of left_hip_pitch");
   EXPECT_NEAR(shifts[0].tolerances, 5.0, 1e-12);
-  EXPECT_THAT(FormatHtml(report, {}, {}), HasSubstr("Absorbed by refitting"));
+  EXPECT_THAT(FormatHtml(MakePage(report)), HasSubstr("Absorbed by refitting"));
   report.result.corrected = HipOf(2.0);
   EXPECT_TRUE(StanceShifts(report).empty());
 }
 
+std::vector<Picture> PicturesOf(const stance_fit::StanceFitResult& result) {
+  std::vector<Picture> out;
+  for (const Section& section : MakePage(WithResult(result)).sections) {
+    out.insert(out.end(), section.pictures.begin(), section.pictures.end());
+  }
+  return out;
+}
+
 TEST(StancePage, PicturesShowTheHeldOutRowsAndThereAreNoneWithout) {
   stance_fit::StanceFitResult result = Found();
-  EXPECT_TRUE(MakePictures(WithResult(result)).empty());
+  EXPECT_TRUE(PicturesOf(result).empty());
   result.held_out.time_s = Eigen::VectorXd::LinSpaced(3, 0.0, 1.0);
   result.held_out.before = Eigen::MatrixXd::Constant(3, 3, 7.25);
   result.held_out.after = Eigen::MatrixXd::Constant(3, 3, 0.125);
-  const std::vector<Picture> pictures = MakePictures(WithResult(result));
+  const std::vector<Picture> pictures = PicturesOf(result);
   ASSERT_EQ(pictures.size(), 3u);
   EXPECT_THAT(pictures.front().script, HasSubstr("0.5 7.25"));
   EXPECT_THAT(pictures.front().script, HasSubstr("0.5 0.125"));

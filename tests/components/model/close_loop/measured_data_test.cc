@@ -8,15 +8,15 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "components/model/close_loop/close_loop.h"
 #include "components/model/free_run/free_run.h"
 #include "components/model/trace/rules.h"
 #include "components/record/recording/file/run_reader.h"
 #include "sim/plant/joint_body.h"
+#include "tests/components/model/close_loop/example_options.h"
 #include "tests/support/skip.h"
-#include "tools/sinew/close_loop.h"
-#include "tools/sinew/close_robot.h"
 
-namespace sinew::tools {
+namespace sinew::close_loop {
 namespace {
 
 namespace fs = std::filesystem;
@@ -46,23 +46,23 @@ std::vector<fs::path> PendulumRuns(const std::vector<int>& gains) {
   return Paths(kPendulum, names);
 }
 
-CloseLoopResult OnPendulum(const std::vector<int>& train, int held_out) {
-  CloseLoopOptions options;
+Result OnPendulum(const std::vector<int>& train, int held_out) {
+  Options options = BasicOptions();
   options.model = kRobots / "bam_xl330/model.yaml";
   options.map = kRobots / "bam_xl330/csv_map.yaml";
   options.train = PendulumRuns(train);
   options.held_out = PendulumRuns({held_out});
   options.keep_unconfirmed = true;  // on gain 200 a free curve explains as much as the friction
-  return RunCloseLoop(options);
+  return CloseLoop(options);
 }
 
-free_run::FreeRunResult FreeRunOnPendulum(const CloseLoopResult& result, int held_out) {
+free_run::FreeRunResult FreeRunOnPendulum(const Result& result, int held_out) {
   std::vector<types::Run> runs;
   for (const fs::path& path : PendulumRuns({held_out})) {
     runs.push_back(recording::ReadRuns(path, kRobots / "bam_xl330/csv_map.yaml").front());
   }
-  const trace::TraceResult& trace = result.report.trace;
-  return free_run::Compare(runs, {trace.declared, trace.corrected}, result.report.processing,
+  const trace::TraceResult& trace = result.joints[0].trace;
+  return free_run::Compare(runs, {trace.declared, trace.corrected}, result.joints[0].processing,
                            plant::JointAlone());
 }
 
@@ -71,8 +71,8 @@ class PendulumServo : public ::testing::TestWithParam<std::pair<std::vector<int>
 TEST_P(PendulumServo, LoadDependentGearFrictionIsFoundAndNoStribeck) {
   SKIP_WITHOUT_DATA(kPendulum);
   const auto& [train, held_out] = GetParam();
-  const CloseLoopResult result = OnPendulum(train, held_out);
-  const trace::TraceResult& trace = result.report.trace;
+  const Result result = OnPendulum(train, held_out);
+  const trace::TraceResult& trace = result.joints[0].trace;
   for (const trace::FoundEffect& effect : trace.effects) EXPECT_NE(effect.name, "stribeck");
   const auto friction = std::find_if(
       trace.effects.begin(), trace.effects.end(),
@@ -111,12 +111,12 @@ TEST_P(Cylinder, FrictionThatGrowsWithPressureIsFoundFirst) {
   const fs::path folder = kMeasured / "pneumatic_cylinder_3dprinted";
   SKIP_WITHOUT_DATA(folder);
   const std::string seal = GetParam();
-  CloseLoopOptions options;
+  Options options = BasicOptions();
   options.model = kRobots / "pneumatic_cylinder/model.yaml";
   options.map = kRobots / "pneumatic_cylinder/csv_map.yaml";
   options.train = Paths(folder, {seal + "_1bar", seal + "_3bar", seal + "_7bar"});
   options.held_out = Paths(folder, {seal + "_5bar"});
-  const trace::TraceResult trace = RunCloseLoop(options).report.trace;
+  const trace::TraceResult trace = CloseLoop(options).joints[0].trace;
   ASSERT_FALSE(trace.effects.empty());
   // Nothing else is part of the model.
   for (std::size_t k = 1; k < trace.effects.size(); ++k) {
@@ -147,19 +147,19 @@ INSTANTIATE_TEST_SUITE_P(Seals, Cylinder, ::testing::Values("O-ring", "NAPN"),
 
 const fs::path kMotor = kMeasured / "odrive_cogging";
 
-CloseLoopResult OnMotor(const std::string& held_out, const std::string& map) {
-  CloseLoopOptions options;
+Result OnMotor(const std::string& held_out, const std::string& map) {
+  Options options = BasicOptions();
   options.model = kRobots / "odrive_motor/model.yaml";
   options.map = kRobots / "odrive_motor/csv_map.yaml";
   options.held_out_map = kRobots / "odrive_motor" / map;
   options.train = Paths(kMotor, {"map_a_step4"});
   options.held_out = Paths(kMotor, {held_out});
-  return RunCloseLoop(options);
+  return CloseLoop(options);
 }
 
 TEST(CoggingMap, TheOrdersOfTheMapAreFoundAndTheRepeatConfirmsThem) {
   SKIP_WITHOUT_DATA(kMotor);
-  const trace::TraceResult trace = OnMotor("map_b_step16_repeat", "csv_map.yaml").report.trace;
+  const trace::TraceResult trace = OnMotor("map_b_step16_repeat", "csv_map.yaml").joints[0].trace;
   ASSERT_EQ(trace.effects.size(), 1u);
   EXPECT_EQ(trace.effects[0].name, "cogging");
   EXPECT_EQ(trace.effects[0].confirmation.verdict, trace::ConfirmationVerdict::kConfirmed);
@@ -193,11 +193,11 @@ double Correlation(const identify::Rows& rows, const Eigen::VectorXd& x, const E
 
 TEST(CoggingMap, TheMapPredictsTheCurrentOfASlowTurn) {
   SKIP_WITHOUT_DATA(kMotor);
-  const CloseLoopResult result = OnMotor("slow_0.10rev_s_nocomp_0", "csv_map_slow.yaml");
+  const Result result = OnMotor("slow_0.10rev_s_nocomp_0", "csv_map_slow.yaml");
   const auto slow = recording::ReadRuns(kMotor / "slow_0.10rev_s_nocomp_0.csv",
                                         kRobots / "odrive_motor/csv_map_slow.yaml");
-  const actuator::JointModel& model = result.report.trace.corrected;
-  const identify::ProcessingOptions& processing = result.report.processing;
+  const actuator::JointModel& model = result.joints[0].trace.corrected;
+  const identify::ProcessingOptions& processing = result.joints[0].processing;
   identify::Design design(identify::MakeStates(slow, model, processing), processing);
   const effects::Effect& drive = *model.terms[0].effect;
   const Eigen::VectorXd measured = design.MeasuredDrive(drive);
@@ -225,11 +225,11 @@ TEST(CoggingMap, TheMapPredictsTheCurrentOfASlowTurn) {
 
 TEST(HeldPositions, RotateWithoutHeldOutRecordings) {
   SKIP_WITHOUT_DATA(kMotor);
-  CloseLoopOptions options;
+  Options options = BasicOptions();
   options.model = kRobots / "odrive_motor/model.yaml";
   options.map = kRobots / "odrive_motor/csv_map.yaml";
   options.train = Paths(kMotor, {"map_a_step16", "map_b_step16_repeat"});
-  const report::Report report = RunCloseLoop(options).report;
+  const report::Report report = CloseLoop(options).joints[0];
   ASSERT_EQ(report.rotations.size(), 2u);
   ASSERT_EQ(report.trace.effects.size(), 1u);
   EXPECT_EQ(report.trace.effects[0].name, "cogging");
@@ -240,28 +240,29 @@ TEST(HeldPositions, RotateWithoutHeldOutRecordings) {
 
 const fs::path kArm = kMeasured / "kuka_lwr4_inverse_dynamics";
 
-CloseLoopOptions ArmOptions() {
-  CloseLoopOptions options;
+Options ArmOptions() {
+  Options options = BasicOptions();
   options.model = kRobots / "kuka_lwr4/model.yaml";
   options.map = kRobots / "kuka_lwr4/csv_map.yaml";
   options.urdf = kArm / "kuka_lwr4.urdf";
   return options;
 }
 
-CloseRobotResult OnArm(const std::string& held_out, std::vector<int> joints = {}) {
-  CloseLoopOptions options = ArmOptions();
+Result OnArm(const std::string& held_out, std::optional<int> joint = {}) {
+  Options options = ArmOptions();
   options.train = Paths(kArm, {"measurements_1"});
   options.held_out = Paths(kArm, {held_out});
-  return CloseRobot(options, std::move(joints));
+  options.joint = joint;
+  return CloseLoop(options);
 }
 
 TEST(SevenJoints, RigidBodiesAndFrictionReachThePublishedError) {
   SKIP_WITHOUT_DATA(kArm);
-  const CloseRobotResult repeat = OnArm("measurements_2", {0});
+  const Result repeat = OnArm("measurements_2", 0);
   ASSERT_TRUE(repeat.arm.has_value());
   // Published on the repeat: 0.176 to 0.211 %; an own check reached 0.126 %.
   EXPECT_LT(repeat.arm->held_out_before.nrms_percent, 0.13);
-  const CloseRobotResult other = OnArm("measurements_3");
+  const Result other = OnArm("measurements_3");
   ASSERT_EQ(other.joints.size(), 7u);
   // Another trajectory: an own check reached 0.63 % and 13 %.
   EXPECT_LT(other.arm->held_out_before.nrms_percent, 0.64);
@@ -275,16 +276,17 @@ TEST(SevenJoints, RigidBodiesAndFrictionReachThePublishedError) {
 
 TEST(SevenJoints, WithoutHeldOutRecordingsTheWholeArmRotates) {
   SKIP_WITHOUT_DATA(kArm);
-  CloseLoopOptions options = ArmOptions();
+  Options options = ArmOptions();
   options.train = Paths(kArm, {"measurements_1", "measurements_2"});
   options.held_out.clear();
-  const CloseRobotResult result = CloseRobot(options, {0});
+  options.joint = 0;
+  const Result result = CloseLoop(options);
   ASSERT_TRUE(result.arm.has_value());
   ASSERT_EQ(result.joints.size(), 1u);
-  EXPECT_EQ(result.joints[0].report.rotations.size(), 2u);
+  EXPECT_EQ(result.joints[0].rotations.size(), 2u);
   // The same trajectory twice: each predicts the other as well as published for the repeat.
   EXPECT_LT(result.arm->held_out_before.nrms_percent, 0.176);
 }
 
 }  // namespace
-}  // namespace sinew::tools
+}  // namespace sinew::close_loop

@@ -1,5 +1,5 @@
 // close-loop as a whole: on measured data of another rig and on the example recordings of ours.
-#include "tools/sinew/close_loop.h"
+#include "components/model/close_loop/close_loop.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -10,11 +10,11 @@
 
 #include "components/record/recording/file/import.h"
 #include "components/topics/node/topics.h"
+#include "tests/components/model/close_loop/example_options.h"
 #include "tests/support/skip.h"
 #include "tests/support/temporary_folder.h"
-#include "tests/tools/sinew/example_options.h"
 
-namespace sinew::tools {
+namespace sinew::close_loop {
 namespace {
 
 namespace fs = std::filesystem;
@@ -25,8 +25,8 @@ using ::testing::IsSupersetOf;
 const fs::path kSource = SINEW_SOURCE_DIR;
 const fs::path kEmps = fs::path(SINEW_SHARED_DIR) / "data" / "emps";
 
-CloseLoopOptions EmpsOptions() {
-  CloseLoopOptions options;
+Options EmpsOptions() {
+  Options options = BasicOptions();
   options.model = kSource / "robots" / "emps" / "model.yaml";
   options.map = kSource / "robots" / "emps" / "csv_map.yaml";
   options.train = {kEmps / "DATA_EMPS.csv"};
@@ -36,9 +36,9 @@ CloseLoopOptions EmpsOptions() {
 
 TEST(CloseLoopOnEmps, PublishedFiguresAreReached) {
   SKIP_WITHOUT_DATA(kEmps);
-  const CloseLoopResult result = RunCloseLoop(EmpsOptions());
-  ASSERT_TRUE(result.report.as_published.has_value());
-  const identify::AsPublishedResult& published = *result.report.as_published;
+  const Result result = CloseLoop(EmpsOptions());
+  ASSERT_TRUE(result.joints[0].as_published.has_value());
+  const identify::AsPublishedResult& published = *result.joints[0].as_published;
   // Janot, Gautier, Brunot (2019): 4.0834 -> 3.1117 %, cross test 5.9824 %; within 0.1 points.
   EXPECT_NEAR(published.before_percent, 4.0834, 0.1);
   EXPECT_NEAR(published.after_percent, 3.1117, 0.1);
@@ -53,8 +53,8 @@ TEST(CloseLoopOnEmps, PublishedFiguresAreReached) {
 
 TEST(CloseLoopOnEmps, TheSameEffectIsFoundAndASecondLowersTheCrossError) {
   SKIP_WITHOUT_DATA(kEmps);
-  const CloseLoopResult result = RunCloseLoop(EmpsOptions());
-  const trace::TraceResult& trace = result.report.trace;
+  const Result result = CloseLoop(EmpsOptions());
+  const trace::TraceResult& trace = result.joints[0].trace;
   ASSERT_EQ(trace.effects.size(), 2u);
   const bool delay_first = trace.effects[0].name == "transport_delay";
   EXPECT_EQ(trace.effects[delay_first ? 0 : 1].name, "transport_delay");
@@ -79,24 +79,24 @@ TEST(CloseLoopOnEmps, ARecordingGivesTheSameFiguresAsItsCsv) {
     if (topic == nullptr) throw std::invalid_argument("no topic " + std::string(name));
     return recording::TopicSchema{topic->name, topic->type_name, topic->idl, topic->idl_hash};
   };
-  CloseLoopOptions options = EmpsOptions();
-  const CloseLoopResult csv = RunCloseLoop(options);
+  Options options = EmpsOptions();
+  const Result csv = CloseLoop(options);
   recording::ImportCsv(options.train, options.map, folder.path() / "train.mcap", find_schema);
   recording::ImportCsv(options.held_out, options.map, folder.path() / "held_out.mcap", find_schema);
   options.train = {folder.path() / "train.mcap"};
   options.held_out = {folder.path() / "held_out.mcap"};
-  const CloseLoopResult mcap = RunCloseLoop(options);
-  EXPECT_DOUBLE_EQ(mcap.report.as_published->before_percent,
-                   csv.report.as_published->before_percent);
-  EXPECT_DOUBLE_EQ(mcap.report.trace.after_held_out.rms, csv.report.trace.after_held_out.rms);
-  EXPECT_EQ(mcap.report.train[0].content_hash, csv.report.train[0].content_hash);
+  const Result mcap = CloseLoop(options);
+  EXPECT_DOUBLE_EQ(mcap.joints[0].as_published->before_percent,
+                   csv.joints[0].as_published->before_percent);
+  EXPECT_DOUBLE_EQ(mcap.joints[0].trace.after_held_out.rms, csv.joints[0].trace.after_held_out.rms);
+  EXPECT_EQ(mcap.joints[0].train[0].content_hash, csv.joints[0].train[0].content_hash);
 }
 
 TEST(CloseLoopOnTheRig, TheHiddenEffectOfTheExampleIsNamed) {
-  const CloseLoopResult result = RunCloseLoop(ExampleOptions("one_effect"));
+  const Result result = CloseLoop(ExampleOptions("one_effect"));
   const nlohmann::json truth = nlohmann::json::parse(
       std::ifstream(kSource / "tests/data/rig_examples/one_effect/truth.json"));
-  const trace::TraceResult& trace = result.report.trace;
+  const trace::TraceResult& trace = result.joints[0].trace;
   ASSERT_EQ(trace.verdict, trace::Verdict::kEffect);
   ASSERT_EQ(trace.effects.size(), 1u);
   EXPECT_EQ(trace.effects[0].name, truth["effects"][0]["name"].get<std::string>());
@@ -122,20 +122,20 @@ TEST(CloseLoopOnTheRig, TheHiddenEffectOfTheExampleIsNamed) {
 }
 
 TEST(CloseLoopOnTheRig, TheCleanExampleRaisesNoAlarm) {
-  const CloseLoopResult result = RunCloseLoop(ExampleOptions("clean"));
-  EXPECT_EQ(result.report.trace.verdict, trace::Verdict::kNone);
-  EXPECT_TRUE(result.report.trace.effects.empty());
+  const Result result = CloseLoop(ExampleOptions("clean"));
+  EXPECT_EQ(result.joints[0].trace.verdict, trace::Verdict::kNone);
+  EXPECT_TRUE(result.joints[0].trace.effects.empty());
 }
 
 TEST(CloseLoop, WritesThreeFilesAndAModelThatLoads) {
   const testing::TemporaryFolder folder;
-  CloseLoopOptions options = ExampleOptions("one_effect");
-  options.out = folder.path() / "deep" / "out";
-  const CloseLoopResult result = RunCloseLoop(options);
+  Options options = ExampleOptions("one_effect");
+  const fs::path out = folder.path() / "deep" / "out";
+  Write(CloseLoop(options), out);
   for (const char* name : {"report.html", "report.json", "model.yaml"}) {
-    EXPECT_TRUE(fs::exists(options.out / name)) << name;
+    EXPECT_TRUE(fs::exists(out / name)) << name;
   }
-  const actuator::ModelFile model = actuator::LoadModelFile(options.out / "model.yaml");
+  const actuator::ModelFile model = actuator::LoadModelFile(out / "model.yaml");
   const actuator::JointModel& joint = model.robot.joints[0];
   const int term = joint.Find("quadratic_viscous");
   ASSERT_GE(term, 0);
@@ -145,10 +145,9 @@ TEST(CloseLoop, WritesThreeFilesAndAModelThatLoads) {
   EXPECT_THAT(joint.history[0].recording, HasSubstr("train_2.csv"));
   EXPECT_TRUE(fs::exists(model.robot.urdf_path)) << model.robot.urdf_path;
   // With the corrected model as the declared one nothing more is found.
-  options.model = options.out / "model.yaml";
-  options.out.clear();
-  EXPECT_EQ(RunCloseLoop(options).report.trace.verdict, trace::Verdict::kNone);
+  options.model = out / "model.yaml";
+  EXPECT_EQ(CloseLoop(options).joints[0].trace.verdict, trace::Verdict::kNone);
 }
 
 }  // namespace
-}  // namespace sinew::tools
+}  // namespace sinew::close_loop

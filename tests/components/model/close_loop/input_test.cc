@@ -1,4 +1,6 @@
 // What close-loop accepts as input, and what it refuses with the reason.
+#include "components/model/close_loop/input.h"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -13,11 +15,10 @@
 #include "components/model/actuator/file/model_file.h"
 #include "components/model/identify/file/processing_file.h"
 #include "components/model/identify/fit.h"
+#include "tests/components/model/close_loop/example_options.h"
 #include "tests/support/temporary_folder.h"
-#include "tools/sinew/close_loop.h"
-#include "tools/sinew/close_robot.h"
 
-namespace sinew::tools {
+namespace sinew::close_loop {
 namespace {
 
 namespace fs = std::filesystem;
@@ -64,14 +65,14 @@ joints:
     history: []
 )";
 
-class Input : public ::testing::Test {
+class CloseLoopInput : public ::testing::Test {
  protected:
   fs::path Write(const std::string& name, const std::string& text) {
     std::ofstream(folder_.path() / name) << text;
     return folder_.path() / name;
   }
-  CloseLoopOptions SpringOptions() {
-    CloseLoopOptions options;
+  Options SpringOptions() {
+    Options options = BasicOptions();
     options.model = Write("model.yaml", kSpringModel);
     options.map = Write("csv_map.yaml",
                         "schema: sinew-csv-map/1\nkind: rotary\ntime: {column: t, unit: s}\n"
@@ -85,9 +86,9 @@ class Input : public ::testing::Test {
   testing::TemporaryFolder folder_;
 };
 
-TEST_F(Input, ASpringAndAJointWithoutInertiaAreFitted) {
-  const CloseLoopOptions options = SpringOptions();
-  const LoopInput input = LoadLoopInput(options);
+TEST_F(CloseLoopInput, ASpringAndAJointWithoutInertiaAreFitted) {
+  const Options options = SpringOptions();
+  const Input input = LoadInput(options);
   const actuator::JointModel& joint = input.model.robot.joints[0];
   const std::vector<types::Run> train = ReadJoint(options.train, input.map, 0);
   const std::vector<types::Run> held_out = ReadJoint(options.held_out, input.map, 0);
@@ -104,98 +105,97 @@ TEST_F(Input, ASpringAndAJointWithoutInertiaAreFitted) {
   EXPECT_NEAR(fit.model.Parameter("spring", "stiffness"), kStiffness, 0.01);
   EXPECT_NEAR(fit.model.Parameter("spring", "preload"), kStiffness * kRest, 0.01);
   EXPECT_NEAR(fit.model.Parameter("coulomb", "coulomb"), kCoulomb, 0.01);
-  const CloseLoopResult result = CloseLoopOn(options, input, train, held_out);
-  EXPECT_LT(result.report.trace.before_held_out.percent, 1.0);
+  const Result result = CloseLoop(options);
+  EXPECT_LT(result.joints[0].trace.before_held_out.percent, 1.0);
 }
 
-TEST_F(Input, OneRecordingAndNothingHeldOutIsRefusedWithTheWayToSplitIt) {
-  CloseLoopOptions options = SpringOptions();
+TEST_F(CloseLoopInput, OneRecordingAndNothingHeldOutIsRefusedWithTheWayToSplitIt) {
+  Options options = SpringOptions();
   options.train = {folder_.path() / "day.csv"};
   options.held_out.clear();
   const std::string csv = options.train[0].string();
-  EXPECT_THAT(ErrorOf([&] { RunCloseLoop(options); }),
+  EXPECT_THAT(ErrorOf([&] { CloseLoop(options); }),
               HasSubstr("--train " + csv + "@:13 --held-out " + csv + "@13:"));
 }
 
-TEST_F(Input, ASimulationNeedsInertiaAndAHeldOutRecording) {
-  CloseLoopOptions options = SpringOptions();
+TEST_F(CloseLoopInput, ASimulationNeedsInertiaAndAHeldOutRecording) {
+  Options options = SpringOptions();
   options.by_simulation = true;
-  EXPECT_THAT(ErrorOf([&] { RunCloseLoop(options); }), HasSubstr("inertia"));
+  EXPECT_THAT(ErrorOf([&] { CloseLoop(options); }), HasSubstr("inertia"));
   options.held_out.clear();
-  EXPECT_THAT(ErrorOf([&] { RunCloseLoop(options); }), HasSubstr("expected --held-out"));
+  EXPECT_THAT(ErrorOf([&] { CloseLoop(options); }), HasSubstr("expected --held-out"));
 }
 
-TEST_F(Input, WithoutHeldOutRecordingsEachIsHeldOutOnce) {
-  CloseLoopOptions options = SpringOptions();
+TEST_F(CloseLoopInput, WithoutHeldOutRecordingsEachIsHeldOutOnce) {
+  Options options = SpringOptions();
   const std::string csv = folder_.path() / "day.csv";
   options.train = {csv + "@:10", csv + "@10:"};
   options.held_out.clear();
-  const CloseLoopResult result = RunCloseLoop(options);
-  ASSERT_EQ(result.report.rotations.size(), 2u);
-  EXPECT_EQ(result.report.rotations[1].held_out, "day.csv@10:");
+  const Result result = CloseLoop(options);
+  ASSERT_EQ(result.joints[0].rotations.size(), 2u);
+  EXPECT_EQ(result.joints[0].rotations[1].held_out, "day.csv@10:");
   EXPECT_THAT(result.json, HasSubstr("\"held_out\": \"day.csv@:10\""));
-  EXPECT_THAT(result.html, HasSubstr("Each recording held out once"));
+  EXPECT_THAT(report::FormatHtml(result.page), HasSubstr("Each recording held out once"));
 }
 
-TEST_F(Input, AnEffectThatIsGivenIsFittedWhateverItIsWorth) {
-  CloseLoopOptions options = SpringOptions();
+TEST_F(CloseLoopInput, AnEffectThatIsGivenIsFittedWhateverItIsWorth) {
+  Options options = SpringOptions();
   options.given = {"stribeck"};
-  const CloseLoopResult result = RunCloseLoop(options);
-  ASSERT_EQ(result.report.trace.effects.size(), 1u);
-  EXPECT_EQ(result.report.trace.effects[0].name, "stribeck");
-  EXPECT_TRUE(result.report.trace.effects[0].in_model());
-  EXPECT_TRUE(result.report.trace.refuted.empty());
+  const Result result = CloseLoop(options);
+  ASSERT_EQ(result.joints[0].trace.effects.size(), 1u);
+  EXPECT_EQ(result.joints[0].trace.effects[0].name, "stribeck");
+  EXPECT_TRUE(result.joints[0].trace.effects[0].in_model());
+  EXPECT_TRUE(result.joints[0].trace.refuted.empty());
   EXPECT_THAT(result.json, HasSubstr("Given, not searched for: stribeck."));
 }
 
-TEST_F(Input, WithNoEffectGivenTheDeclaredTermsStayAlone) {
-  CloseLoopOptions options = SpringOptions();
+TEST_F(CloseLoopInput, WithNoEffectGivenTheDeclaredTermsStayAlone) {
+  Options options = SpringOptions();
   options.given.emplace();
-  const CloseLoopResult result = RunCloseLoop(options);
-  EXPECT_TRUE(result.report.trace.effects.empty());
+  const Result result = CloseLoop(options);
+  EXPECT_TRUE(result.joints[0].trace.effects.empty());
   EXPECT_THAT(result.json, HasSubstr("Given, not searched for: no effect."));
   EXPECT_THAT(result.json, Not(HasSubstr("beyond the declared model")));
   EXPECT_THAT(result.json, Not(HasSubstr("no effect of the catalogue")));
 }
 
-TEST_F(Input, AnEffectThatTheRecordingsCannotShowIsSaidToBeOpen) {
-  CloseLoopOptions options = SpringOptions();
+TEST_F(CloseLoopInput, AnEffectThatTheRecordingsCannotShowIsSaidToBeOpen) {
+  Options options = SpringOptions();
   options.given = {"leak"};  // there is no gas
-  const CloseLoopResult result = RunCloseLoop(options);
-  EXPECT_TRUE(result.report.trace.effects.empty());
+  const Result result = CloseLoop(options);
+  EXPECT_TRUE(result.joints[0].trace.effects.empty());
   EXPECT_THAT(result.json, HasSubstr("These recordings do not determine a size of leak."));
 }
 
-TEST_F(Input, RangesOfOneFileMayNotShareRows) {
-  CloseLoopOptions options = SpringOptions();
+TEST_F(CloseLoopInput, RangesOfOneFileMayNotShareRows) {
+  Options options = SpringOptions();
   const std::string csv = folder_.path() / "day.csv";
   options.held_out = {csv + "@11:"};
-  EXPECT_THAT(ErrorOf([&] { RunCloseLoop(options); }),
+  EXPECT_THAT(ErrorOf([&] { CloseLoop(options); }),
               AllOf(HasSubstr("day.csv@11:"), HasSubstr("day.csv@:12"), HasSubstr("shares rows")));
   options.held_out = {csv};
-  EXPECT_THAT(ErrorOf([&] { RunCloseLoop(options); }), HasSubstr("shares rows"));
-  EXPECT_THAT(ErrorOf([&] { CloseRobot(options, {0}); }), HasSubstr("shares rows"));
+  EXPECT_THAT(ErrorOf([&] { CloseLoop(options); }), HasSubstr("shares rows"));
   options.held_out = {csv + "@30:60"};
-  EXPECT_THAT(ErrorOf([&] { RunCloseLoop(options); }),
+  EXPECT_THAT(ErrorOf([&] { CloseLoop(options); }),
               AllOf(HasSubstr("day.csv"), HasSubstr("'30:60'"), HasSubstr("0 to 19.99 s")));
   options.held_out = {csv + "@60:30"};
-  EXPECT_THAT(ErrorOf([&] { RunCloseLoop(options); }),
+  EXPECT_THAT(ErrorOf([&] { CloseLoop(options); }),
               AllOf(HasSubstr("day.csv"), HasSubstr("'60:30'"), HasSubstr("START:END")));
 }
 
-TEST_F(Input, AVelocityWithoutAnAngleIsRefusedWithTheReason) {
-  CloseLoopOptions options = SpringOptions();
+TEST_F(CloseLoopInput, AVelocityWithoutAnAngleIsRefusedWithTheReason) {
+  Options options = SpringOptions();
   options.map = Write("velocity.yaml",
                       "schema: sinew-csv-map/1\nkind: rotary\ntime: {column: t, unit: s}\n"
                       "signals:\n  velocity: {column: v, unit: rad/s}\n"
                       "  torque: {column: tau, unit: Nm}\n");
-  EXPECT_THAT(ErrorOf([&] { RunCloseLoop(options); }),
+  EXPECT_THAT(ErrorOf([&] { CloseLoop(options); }),
               AllOf(HasSubstr("day.csv"), HasSubstr("velocity without an angle"),
                     HasSubstr("drifts"), HasSubstr("position or motor_position")));
 }
 
-TEST_F(Input, TheZeroOfAnEncoderGoesWithTheRecording) {
-  CloseLoopOptions options = SpringOptions();
+TEST_F(CloseLoopInput, TheZeroOfAnEncoderGoesWithTheRecording) {
+  Options options = SpringOptions();
   options.map = Write("zero.yaml",
                       "schema: sinew-csv-map/1\nkind: rotary\ntime: {column: t, unit: s}\n"
                       "signals:\n  position: {column: q, unit: rad, zero_per_recording: true}\n"
@@ -204,10 +204,10 @@ TEST_F(Input, TheZeroOfAnEncoderGoesWithTheRecording) {
   EXPECT_EQ(runs[0].zero_unknown, std::set<types::Signal>{types::Signal::kPosition});
 }
 
-TEST_F(Input, AnArmWithoutItsUrdfIsRefusedWithTheReason) {
+TEST_F(CloseLoopInput, AnArmWithoutItsUrdfIsRefusedWithTheReason) {
   for (const char* robot : {"franka_panda", "schunk_arm", "kuka_lwr4"}) {
     const fs::path folder = fs::path(SINEW_SOURCE_DIR) / "robots" / robot;
-    CloseLoopOptions options;
+    Options options = BasicOptions();
     const bool alone = !fs::exists(folder / "model_arm.yaml");
     options.model = folder / (alone ? "model.yaml" : "model_arm.yaml");
     options.map = Write("map.yaml",
@@ -218,17 +218,16 @@ TEST_F(Input, AnArmWithoutItsUrdfIsRefusedWithTheReason) {
     const std::string csv = Write("day.csv", SpringCsv());
     options.train = {csv + "@:12"};
     options.held_out = {csv + "@12:"};
-    EXPECT_THAT(ErrorOf([&] { CloseRobot(options, {}); }),
+    EXPECT_THAT(ErrorOf([&] { CloseLoop(options); }),
                 AllOf(HasSubstr(options.model.filename().string()), HasSubstr("rigid_body"),
                       HasSubstr("--urdf")))
         << robot;
-    EXPECT_THAT(ErrorOf([&] { RunCloseLoop(options); }), HasSubstr("part of an arm")) << robot;
   }
 }
 
 // The joints of an arm are fitted together: a fault of one leaves a report to each.
-TEST_F(Input, AFaultOfOneJointOfAnArmIsReportedByEach) {
-  CloseLoopOptions options;
+TEST_F(CloseLoopInput, AFaultOfOneJointOfAnArmIsReportedByEach) {
+  Options options = BasicOptions();
   options.model = fs::path(SINEW_SOURCE_DIR) / "robots/kuka_lwr4/model.yaml";
   options.map = Write("map.yaml",
                       "schema: sinew-csv-map/1\nkind: rotary\njoints: 7\n"
@@ -249,7 +248,7 @@ TEST_F(Input, AFaultOfOneJointOfAnArmIsReportedByEach) {
   const std::string day = Write("day.csv", csv);
   options.train = {day + "@:12"};
   options.held_out = {day + "@12:"};
-  const CloseRobotResult result = CloseRobot(options);
+  const Result result = CloseLoop(options);
   ASSERT_EQ(result.joints.size(), 7u);
   EXPECT_FALSE(result.arm);
   for (std::size_t j = 0; j < 7; ++j) {
@@ -257,11 +256,11 @@ TEST_F(Input, AFaultOfOneJointOfAnArmIsReportedByEach) {
     ASSERT_FALSE(gate.faults.empty()) << j;
     EXPECT_EQ(gate.faults[0].rule, "spike") << j;
     EXPECT_EQ(gate.faults[0].signal, j == 2 ? "torque" : "torque of joint 'lwr_2_joint'");
-    EXPECT_THAT(result.joints[j].json, HasSubstr("\"verdict\": \"data_fault\"")) << j;
+    EXPECT_THAT(result.parts[j].json, HasSubstr("\"verdict\": \"data_fault\"")) << j;
     if (j == 2) continue;
-    EXPECT_THAT(result.joints[j].html, HasSubstr("the arm was not fitted")) << j;
+    EXPECT_THAT(report::FormatHtml(result.parts[j].page), HasSubstr("the arm was not fitted")) << j;
   }
 }
 
 }  // namespace
-}  // namespace sinew::tools
+}  // namespace sinew::close_loop

@@ -6,10 +6,10 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "tests/components/model/close_loop/example_options.h"
 #include "tests/support/temporary_folder.h"
-#include "tests/tools/sinew/example_options.h"
 
-namespace sinew::tools {
+namespace sinew::close_loop {
 namespace {
 
 namespace fs = std::filesystem;
@@ -20,36 +20,34 @@ const fs::path kSource = SINEW_SOURCE_DIR;
 TEST(CloseLoop, TooLittleDataIsAVerdictWithAReport) {
   const testing::TemporaryFolder folder;
   for (const bool training : {true, false}) {
-    CloseLoopOptions options = ExampleOptions("one_effect");
-    options.out = folder.path() / (training ? "training" : "held_out");
+    Options options = ExampleOptions("one_effect");
+    const fs::path out = folder.path() / (training ? "training" : "held_out");
     std::vector<fs::path>& part = training ? options.train : options.held_out;
     part = {part.front().string() + "@10:13"};
-    const CloseLoopResult result = RunCloseLoop(options);
-    EXPECT_FALSE(result.assessed());
-    const nlohmann::json json = nlohmann::json::parse(std::ifstream(options.out / "report.json"));
+    const Result result = CloseLoop(options);
+    Write(result, out);
+    EXPECT_FALSE(result.assessed);
+    const nlohmann::json json = nlohmann::json::parse(std::ifstream(out / "report.json"));
     EXPECT_EQ(json["verdict"], "too_little_data");
     EXPECT_EQ(json["too_little_data"]["rule"], training ? "blocks" : "held_out_blocks");
     EXPECT_TRUE(json["effects"].empty());
-    EXPECT_TRUE(fs::exists(options.out / "report.html"));
-    EXPECT_FALSE(fs::exists(options.out / "model.yaml"));  // nothing was fitted
-    EXPECT_THAT(result.html, HasSubstr("Too little data"));
+    EXPECT_TRUE(fs::exists(out / "report.html"));
+    EXPECT_FALSE(fs::exists(out / "model.yaml"));  // nothing was fitted
+    EXPECT_THAT(report::FormatHtml(result.page), HasSubstr("Too little data"));
     EXPECT_EQ(result.model.robot.joints[0].history.size(), 0u);
   }
 }
 
-// One line, the reason in it, and nothing written.
-void ExpectRefused(CloseLoopOptions options, const std::vector<std::string>& words) {
-  const testing::TemporaryFolder folder;
-  options.out = folder.path() / "out";
+// One line with the reason in it.
+void ExpectRefused(const Options& options, const std::vector<std::string>& words) {
   try {
-    RunCloseLoop(options);
+    CloseLoop(options);
     FAIL() << "was not refused";
   } catch (const UsageError& error) {
     const std::string text = error.what();
     EXPECT_EQ(text.find('\n'), std::string::npos) << text;
     for (const std::string& word : words) EXPECT_THAT(text, HasSubstr(word));
   }
-  EXPECT_FALSE(fs::exists(options.out));
 }
 
 // A changed copy of a text file.
@@ -67,7 +65,7 @@ fs::path Changed(const testing::TemporaryFolder& folder, const fs::path& file,
 
 TEST(CloseLoopBadInput, AnUnknownKeyOfTheModelIsNamed) {
   const testing::TemporaryFolder folder;
-  CloseLoopOptions options = ExampleOptions("clean");
+  Options options = ExampleOptions("clean");
   fs::copy(kSource / "robots" / "rig" / "rig.urdf", folder.path() / "rig.urdf");
   options.model =
       Changed(folder, kSource / "robots" / "rig" / "model.yaml", "link_length_m", "link_lenght_m");
@@ -76,7 +74,7 @@ TEST(CloseLoopBadInput, AnUnknownKeyOfTheModelIsNamed) {
 
 TEST(CloseLoopBadInput, AWrongUnitOfTheMapIsNamed) {
   const testing::TemporaryFolder folder;
-  CloseLoopOptions options = ExampleOptions("clean");
+  Options options = ExampleOptions("clean");
   options.map = Changed(folder, options.map, "column: motor_current_A, unit: A",
                         "column: motor_current_A, unit: V");
   ExpectRefused(options, {"csv_map.yaml:", "unit"});
@@ -84,21 +82,21 @@ TEST(CloseLoopBadInput, AWrongUnitOfTheMapIsNamed) {
 
 TEST(CloseLoopBadInput, ANotANumberCellIsNamedWithItsLine) {
   const testing::TemporaryFolder folder;
-  CloseLoopOptions options = ExampleOptions("clean");
+  Options options = ExampleOptions("clean");
   options.train = {Changed(folder, options.train[0], "5.771986", "nan")};
   ExpectRefused(options, {"train_1.csv:3", "motor_angle_rad"});
 }
 
 TEST(CloseLoopBadInput, AMissingColumnIsNamed) {
   const testing::TemporaryFolder folder;
-  CloseLoopOptions options = ExampleOptions("clean");
+  Options options = ExampleOptions("clean");
   options.train = {Changed(folder, options.train[0], "load_force_N", "load_N")};
   ExpectRefused(options, {"train_1.csv", "load_force_N"});
 }
 
 TEST(CloseLoopBadInput, ASignalTheModelNeedsIsNamed) {
   const testing::TemporaryFolder folder;
-  CloseLoopOptions options = ExampleOptions("clean");
+  Options options = ExampleOptions("clean");
   options.map = Changed(folder, options.map,
                         "  motor_current: {column: motor_current_A, unit: A, sign: 1}\n", "");
   ExpectRefused(options, {"train_1.csv", "motor_current"});
@@ -106,23 +104,23 @@ TEST(CloseLoopBadInput, ASignalTheModelNeedsIsNamed) {
 
 TEST(CloseLoopBadInput, ABrokenRecordingIsRefused) {
   const testing::TemporaryFolder folder;
-  CloseLoopOptions options = ExampleOptions("clean");
+  Options options = ExampleOptions("clean");
   std::ofstream(folder.path() / "broken.mcap") << "this is no recording";
   options.train = {folder.path() / "broken.mcap"};
   ExpectRefused(options, {"broken.mcap"});
 }
 
 TEST(CloseLoopBadInput, TheHeldOutRecordingMayNotBeTrainedOn) {
-  CloseLoopOptions options = ExampleOptions("clean");
+  Options options = ExampleOptions("clean");
   options.held_out = {options.train[1]};
   ExpectRefused(options, {"train_2.csv", "held-out"});
 }
 
 TEST(CloseLoopBadInput, AJointTheModelLacksIsRefused) {
-  CloseLoopOptions options = ExampleOptions("clean");
+  Options options = ExampleOptions("clean");
   options.joint = 3;
   ExpectRefused(options, {"--joint 3"});
 }
 
 }  // namespace
-}  // namespace sinew::tools
+}  // namespace sinew::close_loop
