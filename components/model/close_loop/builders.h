@@ -18,11 +18,11 @@ struct JointTask {
   int joint = 0;
   std::vector<types::Run> train, held_out;  // held_out empty: each of `train` is held out once
   // What the data gate found, on recordings without the rows that it left out; empty: it is asked.
-  std::optional<gate::GateReport> gate;
+  std::optional<gate::GateReport> gate{};
   int searches = 1;  // joints that are traced together (trace::TraceOptions)
-  std::function<double(const actuator::JointModel&)> held_out_error;  // the same
-  std::vector<trace::Fold> folds;  // of an arm's joint without held-out recordings
-  std::function<void(double)> progress;
+  std::function<double(const actuator::JointModel&)> held_out_error{};  // the same
+  std::vector<trace::Fold> folds{};  // of an arm's joint without held-out recordings
+  std::function<void(double)> progress{};
 };
 
 // Adds the joint's report to the result, and where it was assessed the corrected joint to its

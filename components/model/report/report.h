@@ -38,19 +38,19 @@ inline constexpr std::size_t kDeclaredModel = 0, kRefittedModel = 1, kCorrectedM
 
 struct Report {
   std::string robot, joint, model_file;
-  std::vector<Recording> train;     // those of check-data, too
-  std::vector<Recording> held_out;  // without any: those of `train`, each of them once
-  identify::ProcessingOptions processing;
+  std::vector<Recording> train;       // those of check-data, too
+  std::vector<Recording> held_out{};  // without any: those of `train`, each of them once
+  identify::ProcessingOptions processing{};
   // What the data gate found; where it stops nothing was traced. Its findings are completed by what
   // the processing finds.
-  gate::GateReport gate;
-  trace::TraceResult trace;
-  std::optional<identify::AsPublishedResult> as_published;
-  free_run::FreeRunResult free_run;  // declared, refitted, corrected on the held-out recordings
+  gate::GateReport gate{};
+  trace::TraceResult trace{};
+  std::optional<identify::AsPublishedResult> as_published{};
+  free_run::FreeRunResult free_run{};  // declared, refitted, corrected on the held-out recordings
   // Without held-out recordings each of the training ones was held out once.
-  std::vector<trace::Rotation> rotations;
+  std::vector<trace::Rotation> rotations{};
   // Effects that were given, nothing was searched for; none: a search.
-  std::optional<std::set<std::string>> given;
+  std::optional<std::set<std::string>> given{};
   std::uint64_t seed = 1;
   double seconds = 0.0;  // it took
 

@@ -30,21 +30,21 @@ struct Comparison {
 };
 
 struct Table {
-  std::string title;
-  std::string caption;
-  std::vector<std::string> header;
-  std::vector<std::vector<std::string>> rows;  // as long as the header each
+  std::string title{};
+  std::string caption{};
+  std::vector<std::string> header{};
+  std::vector<std::vector<std::string>> rows{};  // as long as the header each
 };
 
 struct Section {
-  std::string id;     // a word of a-z, 0-9 and '-': file and anchor names; empty: no anchor
-  std::string title;  // "Backlash (Fig 5.1)"; empty: no heading
-  std::vector<std::string> paragraphs;
-  std::vector<Comparison> comparisons;
-  std::vector<Table> tables;
-  std::vector<Picture> pictures;
+  std::string id{};     // a word of a-z, 0-9 and '-': file and anchor names; empty: no anchor
+  std::string title{};  // "Backlash (Fig 5.1)"; empty: no heading
+  std::vector<std::string> paragraphs{};
+  std::vector<Comparison> comparisons{};
+  std::vector<Table> tables{};
+  std::vector<Picture> pictures{};
   // Filled by DrawnHtml, WriteSection and ReadSection: SVG of each picture.
-  std::vector<std::string> svgs;
+  std::vector<std::string> svgs{};
   double seconds = 0.0;  // it took; 0: nothing is said about it
   bool detail = false;   // on the page alone, not on the terminal
 
@@ -63,8 +63,8 @@ struct Page {
   std::string verdict;  // "effect"
   std::string outcome;  // finer; sets the colour of the bar
   std::string sentence;
-  std::vector<std::pair<std::string, std::string>> figures;  // "0.04 Nm", and what it is
-  std::vector<Section> sections;
+  std::vector<std::pair<std::string, std::string>> figures{};  // "0.04 Nm", and what it is
+  std::vector<Section> sections{};
 };
 
 // Throws std::invalid_argument naming what is wrong: id, empty title, rows of another length.
