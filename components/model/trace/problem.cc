@@ -6,6 +6,7 @@
 #include <string>
 
 #include "components/model/identify/statistics.h"
+#include "components/model/trace/rules.h"
 
 namespace sinew::trace {
 
@@ -130,9 +131,10 @@ Eigen::VectorXd Problem::Part(const EffectSet& set) const {
   return out;
 }
 
-double Problem::VarianceShare(const EffectSet& set) const {
-  if (set.empty() || !(variance > 0.0)) return 0.0;
-  return 1.0 - LeftPlain(bank.target - Part(set)).squaredNorm() / variance;
+double Problem::Takes(const EffectSet& without, const EffectSet& with) const {
+  const double taken = LeftPlain(bank.target - Part(without)).squaredNorm() -
+                       LeftPlain(bank.target - Part(with)).squaredNorm();
+  return std::sqrt(std::max(0.0, taken) / static_cast<double>(bank.target.size()));
 }
 
 Eigen::VectorXd Problem::LeftPlain(const Eigen::VectorXd& rest) const {
@@ -155,9 +157,21 @@ Problem MakeProblem(const identify::Design& design, const Likelihood& likelihood
       (bank.spread.array() > 0.0).select(bank.spread.array().square().inverse(), 1e300);
   Evidence evidence(X, bank.prior, Z, precision, y);
   const double scale = fit.balance.fits_scale ? fit.balance.Scale(fit.coefficients) : 1.0;
-  const double variance = identify::LeftBy(bank.declared, bank.target).squaredNorm();
-  return {std::move(bank), std::move(X),        std::move(Z), std::move(y),
-          scale,           std::move(evidence), variance};
+  double least_rms = 0.0;
+  if (declared.balance == effects::Balance::kMotion && !design.held()) {
+    // Of an arm the known torques are a part of the target, of a locked motor all of it.
+    const double drive = fit.balance.fits_scale ? 1.0 : fit.balance.drive_factor;
+    const Eigen::VectorXd torque = drive * fit.balance.drive_torque(likelihood.used.rows);
+    least_rms =
+        Limit(rules::kTorqueShare) * std::max(identify::Rms(bank.target), identify::Rms(torque));
+  }
+  return {.bank = std::move(bank),
+          .X = std::move(X),
+          .Z = std::move(Z),
+          .y = std::move(y),
+          .scale = scale,
+          .evidence = std::move(evidence),
+          .least_rms = least_rms};
 }
 
 namespace {
