@@ -238,14 +238,10 @@ class Assessor {
     if (single.net <= Limit(rules::kEvidence)) {
       return RefusedBy(rules::kEvidence, single.net);
     }
-    if (problem_.least_rms > 0.0) {
-      const double takes = problem_.Takes({}, single);
-      if (takes <= problem_.least_rms) {
-        return RefusedBy(rules::kTorqueShare,
-                         Limit(rules::kTorqueShare) * takes / problem_.least_rms);
-      }
-    } else if (single.net <= Limit(rules::kExplainedShare) * misfit_) {
-      return RefusedBy(rules::kExplainedShare, single.net / misfit_);
+    if (!Adequate({}, single)) {
+      const double takes = Limit(rules::kTorqueShare) * problem_.Takes({}, single);
+      return problem_.least_rms > 0.0 ? RefusedBy(rules::kTorqueShare, takes / problem_.least_rms)
+                                      : RefusedBy(rules::kExplainedShare, single.net / misfit_);
     }
     // Beside the set, of which it may repeat a part.
     std::vector<std::size_t> both = out_.chosen.members;

@@ -82,8 +82,7 @@ namespace {
 
 // Spreads of a uniform within half a period either way: 1.72; of a normal one that is no accident.
 constexpr double kMostUniform = 1.75, kMostNormal = 3.0;
-// Of the misfit: lags and windings of sensors and teeth are all that is left where the noise is
-// low.
+// Lags and windings of sensors and teeth are all that is left where the noise is low: any share.
 constexpr double kAnyShare = 1.0;
 
 // Nuisances as they are put together.

@@ -132,8 +132,9 @@ Eigen::VectorXd Problem::Part(const EffectSet& set) const {
 }
 
 double Problem::Takes(const EffectSet& without, const EffectSet& with) const {
-  const double taken = LeftPlain(bank.target - Part(without)).squaredNorm() -
-                       LeftPlain(bank.target - Part(with)).squaredNorm();
+  const Eigen::MatrixXd declared = bank.declared.leftCols(bank.parameters);
+  const double taken = identify::LeftBy(declared, bank.target - Part(without)).squaredNorm() -
+                       identify::LeftBy(declared, bank.target - Part(with)).squaredNorm();
   return std::sqrt(std::max(0.0, taken) / static_cast<double>(bank.target.size()));
 }
 
@@ -159,19 +160,14 @@ Problem MakeProblem(const identify::Design& design, const Likelihood& likelihood
   const double scale = fit.balance.fits_scale ? fit.balance.Scale(fit.coefficients) : 1.0;
   double least_rms = 0.0;
   if (declared.balance == effects::Balance::kMotion && !design.held()) {
-    // Of an arm the known torques are a part of the target, of a locked motor all of it.
+    // Known torques are a part of an arm's target, and all of a locked motor's.
     const double drive = fit.balance.fits_scale ? 1.0 : fit.balance.drive_factor;
     const Eigen::VectorXd torque = drive * fit.balance.drive_torque(likelihood.used.rows);
     least_rms =
         Limit(rules::kTorqueShare) * std::max(identify::Rms(bank.target), identify::Rms(torque));
   }
-  return {.bank = std::move(bank),
-          .X = std::move(X),
-          .Z = std::move(Z),
-          .y = std::move(y),
-          .scale = scale,
-          .evidence = std::move(evidence),
-          .least_rms = least_rms};
+  return {std::move(bank), std::move(X),        std::move(Z), std::move(y),
+          scale,           std::move(evidence), {},           least_rms};
 }
 
 namespace {

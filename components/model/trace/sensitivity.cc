@@ -129,12 +129,11 @@ std::vector<DetectableSize> FindDetectable(const Problem& problem,
   const double drive_share = actuator::DriveShare(declared, declared.balance);
   std::map<std::pair<std::string, std::size_t>, DetectableSize> best;
   // What the declared terms carry of a column, not whitened.
-  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(problem.bank.declared);
+  const Eigen::MatrixXd terms = problem.bank.declared.leftCols(problem.bank.parameters);
+  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(terms);
   const Eigen::MatrixXd Q =
-      qr.householderQ() *
-      Eigen::MatrixXd::Identity(problem.bank.declared.rows(), problem.bank.declared.cols());
-  const Eigen::VectorXd left =
-      identify::LeftBy(problem.bank.declared, problem.bank.target - problem.Part(found));
+      qr.householderQ() * Eigen::MatrixXd::Identity(terms.rows(), terms.cols());
+  const Eigen::VectorXd left = identify::LeftBy(terms, problem.bank.target - problem.Part(found));
   const double squares = problem.least_rms * problem.least_rms * static_cast<double>(left.size());
   for (const Hypothesis& h : problem.hypotheses()) {
     if (!HasSize(h) || !(target_rms > 0.0)) continue;

@@ -164,7 +164,9 @@ TEST(Detectable, WhatHidesIsLargerThanMattersOrThanMachinesHaveIt) {
   }
   ASSERT_FALSE(hides.empty());
   for (const std::string& name : result.assessed) {
-    if (hides.contains(name)) EXPECT_LE(hides.at(name), 1.0) << name;
+    if (hides.contains(name)) {
+      EXPECT_LE(hides.at(name), 1.0) << name;
+    }
   }
   int by_size = 0;
   for (const NotExcited& effect : result.not_excited) {
