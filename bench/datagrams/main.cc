@@ -161,8 +161,8 @@ class Mutator {
     }
     return out;
   }
-  // From its header or its first submessage on: random, cut off, of another vendor, of a length that
-  // is wrong.
+  // From its header or its first submessage on: random, cut off, of another vendor, of a length
+  // that is wrong.
   void Break(Datagram* datagram) {
     const std::size_t size = datagram->size();
     switch (random_() % 4) {

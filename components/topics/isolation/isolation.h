@@ -47,8 +47,8 @@ enum class Network {
 };
 
 // The namespaces of this process with the interfaces that are moved in (up again, and with their
-// first IPv4 address, as they were) and a loopback that is up. They go back when this ends; when the process is killed, the kernel gives
-// physical ones back, and deletes virtual ones.
+// first IPv4 address, as they were) and a loopback that is up. They go back when this ends; when
+// the process is killed, the kernel gives physical ones back, and deletes virtual ones.
 class Isolation {
  public:
   // Throws, too: a deployment of that name is held already, a given network that is process 1's,

@@ -172,6 +172,7 @@ Json Detectable(const trace::TraceResult& trace) {
   }
   return {{"power", 0.8},
           {"p_global", trace::Limit(trace::rules::kGlobalP)},
+          {"torque_share", trace::Limit(trace::rules::kTorqueShare)},
           {"explained_share", trace::Limit(trace::rules::kExplainedShare)},
           {"sizes", std::move(sizes)}};
 }
