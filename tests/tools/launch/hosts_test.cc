@@ -133,7 +133,8 @@ TEST_F(HostsTest, WhatIsWrongIsOneLineThatNamesFileAndKey) {
       {kHosts, "processes: [{name: a, program: sinew-there, host: desk}]\n",
        "processes: none is of host 'robot'"},
       {"hosts: [{name: robot, interface: lo}]\nnetwork: {isolate: true}\n",
-       "processes: [{name: a, program: sinew-plant}]\n", "without 'lo', expected it: an isolated deployment"},
+       "processes: [{name: a, program: sinew-plant}]\n",
+       "without 'lo', expected it: an isolated deployment"},
       {kHosts,
        "provider: a\nprocesses: [{name: a, program: sinew-there, host: desk, vital: false}, "
        "{name: b, program: sinew-plant}]\n",

@@ -18,8 +18,8 @@ constexpr std::uint32_t kReferenceStateVersion = 1;
 class ReferenceComponent final : public node::TickComponent {
  public:
   ReferenceComponent(const node::Options& options, node::StopFlag& stop,
-                     RobotReferenceConfig config)
-      : TickComponent(options, stop), generator_(std::move(config)) {
+                     const RobotReferenceConfig& config)
+      : TickComponent(options, stop), generator_(config) {
     Keep(kReferenceStateVersion, &generator_);
   }
 
@@ -47,7 +47,7 @@ class ReferenceComponent final : public node::TickComponent {
 std::unique_ptr<node::Component> MakeReference(const node::Options& options, node::StopFlag& stop) {
   LoadedReference loaded = LoadReference(options.config_path);
   for (const std::string& note : loaded.notes) spdlog::info("{}", note);
-  return std::make_unique<ReferenceComponent>(options, stop, std::move(loaded.config));
+  return std::make_unique<ReferenceComponent>(options, stop, loaded.config);
 }
 
 }  // namespace sinew::reference
