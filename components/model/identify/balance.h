@@ -48,9 +48,8 @@ struct Balance {
              actuator::JointModel* model) const;
 };
 
-// keep_scale: the drive factor stays at its nominal value. fits_scale: is it fitted, by recordings
-// that settled it; the design's may lack the known torque that set the scale there.
+// keep_scale: the drive factor stays at its nominal value.
 Balance MakeBalance(const Design& design, const actuator::JointModel& model,
-                    bool keep_scale = false, std::optional<bool> fits_scale = std::nullopt);
+                    bool keep_scale = false);
 
 }  // namespace sinew::identify

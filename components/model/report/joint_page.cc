@@ -169,12 +169,13 @@ Section DetectableSection(const trace::TraceResult& trace) {
       "The smallest size of each effect that this search finds in 80 % of recordings like these, "
       "with the effect alone and at its most visible shape: p of the whole search at most " +
           Short(trace::Limit(rules::kGlobalP)) + " (rule p_global) and at least " +
-          Percent(trace::Limit(rules::kTorqueShare)) +
-          " of the measured side (rule torque_share; in balances other than the torque's " +
           Percent(trace::Limit(rules::kExplainedShare)) +
-          " of the refitted model's misfit, rule explained_share). Smaller effects may be present. "
-          "Not listed: effects absorbed by refitting the declared terms (see the shift of "
-          "parameters), and spectral lines and events, which have no size before they are found.",
+          " of the refitted model's misfit (rule explained_share; effects identified from "
+          "accelerations or rates: " +
+          Percent(trace::Limit(rules::kCurveShare)) +
+          ", rule curve_share). Smaller effects may be present. Not listed: effects absorbed by "
+          "refitting the declared terms (see the shift of parameters), and spectral lines and "
+          "events, which have no size before they are found.",
       true);
   for (const trace::DetectableSize& size : trace.detectable) {
     std::string effect = size.effect;

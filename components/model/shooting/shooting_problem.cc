@@ -353,7 +353,8 @@ trace::Problem MakeProblem(const Regression& regression, const Noise& noise) {
   const Eigen::VectorXd precision =
       (bank.spread.array() > 0.0).select(bank.spread.array().square().inverse(), 1e300);
   trace::Evidence evidence(X, bank.prior, Z, precision, y);
-  trace::Problem out{bank, std::move(X), std::move(Z), std::move(y), 1.0, std::move(evidence)};
+  trace::Problem out{bank, std::move(X), std::move(Z), std::move(y), 1.0, std::move(evidence), 0.0};
+  out.variance = identify::LeftBy(bank.declared, bank.target).squaredNorm();
   out.measured_rms = regression.measured_rms;
   out.measured_peak = regression.torque_peak;
   return out;

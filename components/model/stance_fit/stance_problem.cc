@@ -414,8 +414,10 @@ trace::Problem MakeProblem(const Regression& regression, const ChannelNoise& noi
   Eigen::VectorXd y = Whiten(regression, noise, bank.target);
   const Eigen::VectorXd precision = bank.spread.array().square().inverse();
   trace::Evidence evidence(X, bank.prior, Z, precision, y);
-  return {bank, std::move(X),        std::move(Z),        std::move(y),
-          1.0,  std::move(evidence), bank.prior.precision};
+  trace::Problem out{bank, std::move(X),        std::move(Z), std::move(y),
+                     1.0,  std::move(evidence), 0.0,          bank.prior.precision};
+  out.variance = out.LeftPlain(bank.target).squaredNorm();
+  return out;
 }
 
 ChannelNoise EstimateNoise(const Regression& regression, std::size_t largest_set,

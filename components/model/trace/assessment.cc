@@ -77,16 +77,17 @@ class Assessor {
   // Is each member more than an imperfection that any machine has?
   bool EveryMemberCounts(const EffectSet& set) const {
     for (std::size_t k = 0; k < set.members.size(); ++k) {
-      if (!Adequate(Without(set, k), set)) return false;
+      const Hypothesis& h = problem_.hypotheses()[set.members[k]];
+      const EffectSet without = Without(set, k);
+      if (!Adequate(without, set, h)) return false;
     }
     return true;
   }
 
-  // Does it take more torque than imperfections do? Where no torque is known: does it explain so
-  // much more of the misfit, or of values that were measured?
-  bool Adequate(const EffectSet& without, const EffectSet& with) const {
-    if (problem_.least_rms > 0.0) return problem_.Takes(without, with) > problem_.least_rms;
-    return with.net - without.net > Limit(rules::kExplainedShare) * misfit_ ||
+  // Does it explain so much more, of the misfit, of the variance, or of values that were measured?
+  bool Adequate(const EffectSet& without, const EffectSet& with, const Hypothesis& added) const {
+    return with.net - without.net > LeastShare(added) * misfit_ ||
+           problem_.VarianceShare(with) - problem_.VarianceShare(without) > LeastVariance(added) ||
            (problem_.plain_precision.size() > 0 &&
             PriorMisfit(without) - PriorMisfit(with) > Limit(rules::kPriorPenalty));
   }
@@ -177,7 +178,7 @@ class Assessor {
     std::erase_if(out, [&](const auto& entry) {
       const Hypothesis& h = hypotheses[entry.second.members[member]];
       return h.name != hypotheses[set.members[member]].name && h.from_rates() &&
-             !Adequate(without, entry.second);
+             !Adequate(without, entry.second, h);
     });
     return out;
   }
@@ -235,13 +236,12 @@ class Assessor {
 
   // Why an effect that stands in nobody's way is no member.
   Refusal TooLittle(const EffectSet& single) const {
+    const Hypothesis& h = problem_.hypotheses()[single.members.front()];
     if (single.net <= Limit(rules::kEvidence)) {
       return RefusedBy(rules::kEvidence, single.net);
     }
-    if (!Adequate({}, single)) {
-      const double takes = Limit(rules::kTorqueShare) * problem_.Takes({}, single);
-      return problem_.least_rms > 0.0 ? RefusedBy(rules::kTorqueShare, takes / problem_.least_rms)
-                                      : RefusedBy(rules::kExplainedShare, single.net / misfit_);
+    if (single.net <= LeastShare(h) * misfit_) {
+      return RefusedBy(RuleOfShare(h), single.net / misfit_);
     }
     // Beside the set, of which it may repeat a part.
     std::vector<std::size_t> both = out_.chosen.members;

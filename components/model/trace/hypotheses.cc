@@ -249,6 +249,18 @@ bool ShowsPeriods(double order, double turns) {
   return order * turns >= (order > 2.0 ? kPeriodsOfLine : kLeastPeriods);
 }
 
+const Rule& RuleOfShare(const Hypothesis& hypothesis) {
+  return hypothesis.from_rates() && !hypothesis.steady ? rules::kCurveShare
+                                                       : rules::kExplainedShare;
+}
+
+double LeastShare(const Hypothesis& hypothesis) { return Limit(RuleOfShare(hypothesis)); }
+
+double LeastVariance(const Hypothesis& hypothesis) {
+  const double more = RuleOfShare(hypothesis).limit / rules::kExplainedShare.limit;
+  return more * Limit(rules::kVarianceShare);
+}
+
 Bank MakeBank(const identify::Design& design, const Likelihood& likelihood,
               const actuator::JointModel& model, const identify::Balance& balance) {
   const UsedRows& used = likelihood.used;

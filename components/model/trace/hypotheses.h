@@ -59,6 +59,13 @@ struct Hypothesis {
 // back: three.
 bool ShowsPeriods(double order, double turns);
 
+// Share of the misfit that it has to explain: rule explained_share, or curve_share where it is
+// identified from rates and not steady.
+const Rule& RuleOfShare(const Hypothesis& hypothesis);
+double LeastShare(const Hypothesis& hypothesis);
+// The same of the residual's variance (rule variance_share), as much more there.
+double LeastVariance(const Hypothesis& hypothesis);
+
 struct Bank {
   Eigen::MatrixXd declared;  // used rows, not whitened
   Prior prior;               // of the declared columns, before whitening by sigma

@@ -8,7 +8,6 @@
 #include "components/model/identify/gas.h"
 #include "components/model/identify/iir_filter.h"
 #include "components/model/trace/machine_size.h"
-#include "components/model/trace/rules.h"
 #include "components/model/trace/whitened_fit.h"
 
 namespace sinew::trace {
@@ -82,28 +81,24 @@ namespace {
 
 // Spreads of a uniform within half a period either way: 1.72; of a normal one that is no accident.
 constexpr double kMostUniform = 1.75, kMostNormal = 3.0;
-// Lags and windings of sensors and teeth are all that is left where the noise is low: any share.
-constexpr double kAnyShare = 1.0;
 
 // Nuisances as they are put together.
 struct Collected {
   const std::vector<std::string>& left_out;
   std::vector<std::string> names;
   std::vector<Eigen::VectorXd> columns;
-  std::vector<double> spread, most, largest_share;
+  std::vector<double> spread, most;
 
   bool LeavesOut(const std::string& name) const {
     return std::find(left_out.begin(), left_out.end(), name) != left_out.end();
   }
-  void Add(std::string name, Eigen::VectorXd column, double own, double own_most = kMostNormal,
-           double own_share = rules::kExplainedShare.limit) {
+  void Add(std::string name, Eigen::VectorXd column, double own, double own_most = kMostNormal) {
     if (!(own > 0.0) || !column.allFinite() || !(column.squaredNorm() > 0.0)) return;
     if (LeavesOut(name)) return;
     names.push_back(std::move(name));
     columns.push_back(std::move(column));
     spread.push_back(own);
     most.push_back(own_most);
-    largest_share.push_back(own_share);
   }
 };
 
@@ -125,7 +120,7 @@ class OfMachine {
   void AddTo(Collected* out) const {
     const Eigen::VectorXd drive =
         size_.drive_gain * Of([](const effects::JointSample& x) { return x.drive_input; });
-    const double level = rules::kTorqueShare.limit * size_.drive_rms;
+    const double level = kLevel * size_.drive_rms;
     const Eigen::VectorXd side =
         Of([](const effects::JointSample& x) { return Sign(x.velocity_rad_s); });
     for (const auto& [run, span] : span_) {
@@ -152,6 +147,7 @@ class OfMachine {
   }
 
  private:
+  static constexpr double kLevel = 0.0012;        // of the drive's rms
   static constexpr double kFrictionDrift = 0.01;  // of the dry friction
   // Lengths, share of the stroke.
   static constexpr std::pair<const char*, double> kBristles[] = {{"short bristles", 0.0005},
@@ -205,7 +201,7 @@ Nuisances MakeNuisances(const identify::Design& design, const Likelihood& likeli
                         const actuator::JointModel& model) {
   const UsedRows& used = likelihood.used;
   Nuisances out;
-  Collected found{likelihood.no_nuisance, {}, {}, {}, {}, {}};
+  Collected found{likelihood.no_nuisance, {}, {}, {}, {}};
   for (const auto& [name, balance] : effects::EffectForms()) {
     if (balance != model.balance || model.Find(name, balance) >= 0) continue;
     if (found.LeavesOut(name)) continue;
@@ -223,7 +219,7 @@ Nuisances MakeNuisances(const identify::Design& design, const Likelihood& likeli
       if (!(psi.front() > 0.0)) continue;
     }
     const Eigen::VectorXd column = -design.Columns(*effect, psi).col(0)(used.rows);
-    found.Add(name, column, Spread(design, model, info, column), kMostUniform, kAnyShare);
+    found.Add(name, column, Spread(design, model, info, column), kMostUniform);
   }
   if (model.balance == effects::Balance::kMotion && !design.held()) {
     OfMachine(design, used, model).AddTo(&found);
@@ -232,7 +228,6 @@ Nuisances MakeNuisances(const identify::Design& design, const Likelihood& likeli
   const identify::StateSet& states = design.states();
   out.names = found.names;
   out.most = found.most;
-  out.largest_share = found.largest_share;
   const auto count = static_cast<Eigen::Index>(found.columns.size());
   const Eigen::Index rigid = refit ? states.rigid_spread.size() : 0;
   out.columns.resize(used.size(), count + rigid);

@@ -21,8 +21,7 @@ struct Nuisances {
   Eigen::VectorXd mean, spread;  // prior of each coefficient; spread 0: flat
   // The first columns have them; those behind are of the rigid bodies.
   std::vector<std::string> names;
-  // Spreads and share of the misfit beyond which it is no small imperfection any more.
-  std::vector<double> most, largest_share;
+  std::vector<double> most;  // spreads beyond which it is no small imperfection any more
 };
 
 // Declared friction that only knows the direction of motion, Nm or N; 0 without.

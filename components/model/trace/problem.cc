@@ -6,7 +6,6 @@
 #include <string>
 
 #include "components/model/identify/statistics.h"
-#include "components/model/trace/rules.h"
 
 namespace sinew::trace {
 
@@ -131,11 +130,9 @@ Eigen::VectorXd Problem::Part(const EffectSet& set) const {
   return out;
 }
 
-double Problem::Takes(const EffectSet& without, const EffectSet& with) const {
-  const Eigen::MatrixXd declared = bank.declared.leftCols(bank.parameters);
-  const double taken = identify::LeftBy(declared, bank.target - Part(without)).squaredNorm() -
-                       identify::LeftBy(declared, bank.target - Part(with)).squaredNorm();
-  return std::sqrt(std::max(0.0, taken) / static_cast<double>(bank.target.size()));
+double Problem::VarianceShare(const EffectSet& set) const {
+  if (set.empty() || !(variance > 0.0)) return 0.0;
+  return 1.0 - LeftPlain(bank.target - Part(set)).squaredNorm() / variance;
 }
 
 Eigen::VectorXd Problem::LeftPlain(const Eigen::VectorXd& rest) const {
@@ -158,16 +155,9 @@ Problem MakeProblem(const identify::Design& design, const Likelihood& likelihood
       (bank.spread.array() > 0.0).select(bank.spread.array().square().inverse(), 1e300);
   Evidence evidence(X, bank.prior, Z, precision, y);
   const double scale = fit.balance.fits_scale ? fit.balance.Scale(fit.coefficients) : 1.0;
-  double least_rms = 0.0;
-  if (declared.balance == effects::Balance::kMotion && !design.held()) {
-    // Known torques are a part of an arm's target, and all of a locked motor's.
-    const double drive = fit.balance.fits_scale ? 1.0 : fit.balance.drive_factor;
-    const Eigen::VectorXd torque = drive * fit.balance.drive_torque(likelihood.used.rows);
-    least_rms =
-        Limit(rules::kTorqueShare) * std::max(identify::Rms(bank.target), identify::Rms(torque));
-  }
+  const double variance = identify::LeftBy(bank.declared, bank.target).squaredNorm();
   return {std::move(bank), std::move(X),        std::move(Z), std::move(y),
-          scale,           std::move(evidence), {},           least_rms};
+          scale,           std::move(evidence), variance};
 }
 
 namespace {

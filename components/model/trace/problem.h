@@ -16,10 +16,10 @@ struct Problem {
   Eigen::VectorXd y;
   double scale = 1.0;  // torque per unit of the balance
   Evidence evidence;
+  double variance = 0.0;  // squares that the declared terms leave by least squares, not whitened
   // Precision of the declared columns where their tolerances are as good as measurements (links
   // that were weighed): it counts in those least squares too. Empty: stated roughly, flat there.
   Eigen::VectorXd plain_precision = {};
-  double least_rms = 0.0;  // an effect takes more of the target (rule torque_share); 0: not asked
   // The measured side where the target is only what a fit left of it: its rms, and the highest
   // torque. 0: the target's own.
   double measured_rms = 0.0, measured_peak = 0.0;
@@ -35,9 +35,9 @@ struct Problem {
   Eigen::VectorXd Part(const EffectSet& set) const;
   // What the declared terms leave of it by least squares, not whitened.
   Eigen::VectorXd LeftPlain(const Eigen::VectorXd& rest) const;
-  // Rms of what a set takes of the raw residual beyond another, in units of the target; the
-  // declared terms are refitted by least squares with either.
-  double Takes(const EffectSet& without, const EffectSet& with) const;
+  // Share of the raw residual's variance that a set takes away, the declared terms refitted by
+  // least squares with and without it. May be negative.
+  double VarianceShare(const EffectSet& set) const;
 };
 
 // Rows of a block at least.

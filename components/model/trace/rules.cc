@@ -48,11 +48,11 @@ std::vector<std::string> TakenOut() { return {Absent().begin(), Absent().end()};
 std::span<const Rule> AllRules() {
   static constexpr std::array kAll = {
       rules::kBlocks,         rules::kRows,          rules::kHeldOutBlocks, rules::kGlobalP,
-      rules::kExplainedShare, rules::kTorqueShare,   rules::kPriorPenalty,  rules::kShapeMisfit,
-      rules::kMemberP,        rules::kCurveEvidence, rules::kRange,         rules::kDetectable,
-      rules::kAbsorbed,       rules::kEvidence,      rules::kScore,         rules::kOpen,
-      rules::kBeyondDrive,    rules::kInterval,      rules::kRaises,        rules::kRotations,
-      rules::kEventPeak,      rules::kEventAlone};
+      rules::kExplainedShare, rules::kVarianceShare, rules::kPriorPenalty,  rules::kShapeMisfit,
+      rules::kMemberP,        rules::kCurveEvidence, rules::kCurveShare,    rules::kRange,
+      rules::kDetectable,     rules::kAbsorbed,      rules::kEvidence,      rules::kScore,
+      rules::kOpen,           rules::kBeyondDrive,   rules::kInterval,      rules::kRaises,
+      rules::kRotations,      rules::kEventPeak,     rules::kEventAlone};
   return kAll;
 }
 

@@ -82,22 +82,21 @@ std::string WhyHidden(const DetectableSize& size) {
   return text;
 }
 
-// Coefficient c that takes `squares` of the residual where least squares see it smaller by `other`:
-// c (c - 2 other) = squares / power.
-double SizeThatTakes(double squares, double power, double other) {
-  return power > 0.0 ? other + std::sqrt(other * other + squares / power) : kNever;
+// Coefficient c that takes `share` of the variance away where least squares see it smaller by
+// `other`: c (c - 2 other) = share / (1 - share) variance / power.
+double VarianceSize(double share, double variance_per_power, double other) {
+  if (!(share < 1.0)) return kNever;
+  return other + std::sqrt(other * other + share / (1.0 - share) * variance_per_power);
 }
 
 }  // namespace
 
 double NeededGain(const Hypothesis& hypothesis, double misfit, double occam, double statistic,
-                  double by_torque) {
-  const double charged = occam + hypothesis.charge;
+                  double by_variance) {
   // The effect is part of the misfit that its share is taken of.
-  const double share = Limit(rules::kExplainedShare);
-  const double explains = by_torque > 0.0 ? by_torque : (share * misfit + charged) / (1.0 - share);
-  return std::max(
-      {explains, Limit(rules::kEvidence) + charged, GainOfStatistic(statistic, hypothesis)});
+  const double share = LeastShare(hypothesis);
+  const double by_share = (share * misfit + occam + hypothesis.charge) / (1.0 - share);
+  return std::max(std::min(by_share, by_variance), GainOfStatistic(statistic, hypothesis));
 }
 
 double SizeForPower(double needed, int columns, double other) {
@@ -129,12 +128,12 @@ std::vector<DetectableSize> FindDetectable(const Problem& problem,
   const double drive_share = actuator::DriveShare(declared, declared.balance);
   std::map<std::pair<std::string, std::size_t>, DetectableSize> best;
   // What the declared terms carry of a column, not whitened.
-  const Eigen::MatrixXd terms = problem.bank.declared.leftCols(problem.bank.parameters);
-  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(terms);
+  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(problem.bank.declared);
   const Eigen::MatrixXd Q =
-      qr.householderQ() * Eigen::MatrixXd::Identity(terms.rows(), terms.cols());
-  const Eigen::VectorXd left = identify::LeftBy(terms, problem.bank.target - problem.Part(found));
-  const double squares = problem.least_rms * problem.least_rms * static_cast<double>(left.size());
+      qr.householderQ() *
+      Eigen::MatrixXd::Identity(problem.bank.declared.rows(), problem.bank.declared.cols());
+  const Eigen::VectorXd left =
+      identify::LeftBy(problem.bank.declared, problem.bank.target - problem.Part(found));
   for (const Hypothesis& h : problem.hypotheses()) {
     if (!HasSize(h) || !(target_rms > 0.0)) continue;
     const auto& infos = h.effect->info().linear;
@@ -144,10 +143,12 @@ std::vector<DetectableSize> FindDetectable(const Problem& problem,
       if (!(evidence.FreeShare(j) >= Limit(rules::kAbsorbed)) || !(reduced > 0.0)) continue;
       const Eigen::VectorXd column = problem.bank.columns.col(j);
       const double power = column.squaredNorm() - (Q.transpose() * column).squaredNorm();
-      const double by_torque =
-          squares > 0.0 ? SizeThatTakes(squares, power, std::abs(left.dot(column)) / power) : 0.0;
+      const double by_variance = power > 0.0
+                                     ? VarianceSize(LeastVariance(h), problem.variance / power,
+                                                    std::abs(left.dot(column)) / power)
+                                     : kNever;
       const double needed = NeededGain(h, evidence.misfit(), evidence.Occam(h.columns), statistic,
-                                       by_torque * by_torque * reduced);
+                                       by_variance * by_variance * reduced);
       const double c = kInexact *
                        SizeForPower(needed, static_cast<int>(h.columns.size()),
                                     ApparentSize(problem, h, j, found)) /

@@ -12,12 +12,13 @@
 
 namespace sinew::trace {
 
-// Misfit that a hypothesis has to take away before the search accepts it alone: by its evidence, by
-// p_global (`statistic`: the least one that reaches its limit, null_test.h) and by what it has to
-// explain. misfit: of the declared terms, without the effect; occam: of its columns (Evidence);
-// by_torque: misfit that goes with the torque it has to take, 0 where explained_share is asked.
+// Misfit that a hypothesis has to take away before two rules of the search accept it alone:
+// p_global (`statistic`: the least one that reaches its limit, null_test.h) and what it has to
+// explain, of the misfit (LeastShare of hypotheses.h) or, whichever is less, of the variance.
+// misfit: of the declared terms, without the effect; occam: of its columns (Evidence); by_variance:
+// misfit that goes with the variance (LeastVariance).
 double NeededGain(const Hypothesis& hypothesis, double misfit, double occam, double statistic,
-                  double by_torque);
+                  double by_variance);
 
 // Size, in standard errors of its coefficient, at which an effect takes away `needed` in 80 % of
 // recordings. The gain of k columns is noncentral chi-square with k degrees of freedom, here by its

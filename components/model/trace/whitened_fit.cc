@@ -359,18 +359,12 @@ std::vector<std::string> ImplausibleNuisances(const identify::Design& design,
   std::vector<std::string> out = likelihood.no_nuisance;
   // The worst first: others may stand for it. What leaves is held at nothing.
   for (;;) {
-    const Eigen::MatrixXd covariance = regression.Hessian().ldlt().solve(
-        Eigen::MatrixXd::Identity(regression.X.cols(), regression.X.cols()));
     const Eigen::VectorXd b = regression.Solve();
-    const double misfit = regression.Misfit(b);
     double worst = 1.0;
     std::size_t leaves = nuisances.names.size();
     for (std::size_t k = 0; k < nuisances.names.size(); ++k) {
       const auto i = static_cast<Eigen::Index>(k);
-      const double size = std::abs(b[first + i]);
-      const double takes = size * size / covariance(first + i, first + i);
-      const double times = std::max(size / (nuisances.most[k] * nuisances.spread[i]),
-                                    takes / (misfit + takes) / nuisances.largest_share[k]);
+      const double times = std::abs(b[first + i]) / (nuisances.most[k] * nuisances.spread[i]);
       if (!(times > worst)) continue;
       worst = times;
       leaves = k;

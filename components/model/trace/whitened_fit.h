@@ -66,9 +66,8 @@ identify::FitResult FitWhitened(const identify::Design& design, const Likelihood
 identify::FitResult RefineWhitened(const identify::Design& design, const Likelihood& likelihood,
                                    const actuator::JointModel& model);
 
-// Nuisances that are no small imperfection, beside those that the likelihood leaves out: larger
-// than machines have it, or of a larger share of the misfit than names an effect. What coefficient
-// b of variance v takes is b^2 / v. What they stand for is asked for as an effect.
+// Nuisances whose fitted size is no small imperfection any more, beside those that the likelihood
+// leaves out: what they stand for is asked for as an effect.
 std::vector<std::string> ImplausibleNuisances(const identify::Design& design,
                                               const Likelihood& likelihood,
                                               const actuator::JointModel& model);

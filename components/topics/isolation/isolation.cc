@@ -282,7 +282,7 @@ struct Isolation::Impl {
 };
 
 Isolation::Isolation(const std::string& deployment, const std::vector<std::string>& interfaces,
-                     Network kind)
+                     Network network)
     : impl_(std::make_unique<Impl>()) {
   for (const Holder& holder : Holders()) {
     if (holder.deployment != deployment) continue;
@@ -290,7 +290,7 @@ Isolation::Isolation(const std::string& deployment, const std::vector<std::strin
                      std::to_string(holder.pid) + "), expected a name of its own");
   }
   impl_->interfaces = interfaces;
-  if (kind == Network::kGiven) {
+  if (network == Network::kGiven) {
     impl_->own.emplace();
     const Descriptor host = Open("/proc/1/ns/net");
     if (IsSameNamespace(host, "/proc/self/ns/net")) {

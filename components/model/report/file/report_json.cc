@@ -172,7 +172,6 @@ Json Detectable(const trace::TraceResult& trace) {
   }
   return {{"power", 0.8},
           {"p_global", trace::Limit(trace::rules::kGlobalP)},
-          {"torque_share", trace::Limit(trace::rules::kTorqueShare)},
           {"explained_share", trace::Limit(trace::rules::kExplainedShare)},
           {"sizes", std::move(sizes)}};
 }

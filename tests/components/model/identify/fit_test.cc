@@ -76,22 +76,6 @@ TEST(Fit, WithoutAKnownTorqueTheScaleStaysNominal) {
   EXPECT_NEAR(fit.model.terms[1].linear[0].value, 0.3 * 0.9 / 0.8, 0.005);
 }
 
-// A held-out recording may lack the load that set the scale in training.
-TEST(Fit, ABalanceHasTheFormOfOtherRecordingsWhereThatIsGiven) {
-  const actuator::JointModel model = SyntheticModel();
-  const Design loaded = MakeDesign({SyntheticRun(model, {})}, model);
-  types::Run still = SyntheticRun(model, {.seed = 2});
-  still.signals.at(types::Signal::kLoadForce).setZero();
-  const Design unloaded = MakeDesign({still}, model);
-  const Balance train = MakeBalance(loaded, model), own = MakeBalance(unloaded, model);
-  ASSERT_TRUE(train.fits_scale);
-  EXPECT_FALSE(own.fits_scale);
-  const Balance alike = MakeBalance(unloaded, model, false, train.fits_scale);
-  EXPECT_TRUE(alike.fits_scale);
-  EXPECT_EQ(alike.columns.cols(), train.columns.cols());
-  EXPECT_EQ(alike.nominal, train.nominal);
-}
-
 TEST(Fit, ResidualOfTheTrueModelIsTheNoise) {
   const actuator::JointModel truth = SyntheticModel();
   const Design design = MakeDesign({SyntheticRun(truth, {.noise_A = 0.05})}, truth);

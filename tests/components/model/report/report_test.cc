@@ -212,7 +212,6 @@ TEST(Report, TheSmallestDetectableSizesAreReported) {
   const nlohmann::json json = ReportJson(made.report)["detectable"];
   EXPECT_EQ(json["power"], 0.8);
   EXPECT_EQ(json["p_global"], trace::rules::kGlobalP.limit);
-  EXPECT_EQ(json["torque_share"], trace::rules::kTorqueShare.limit);
   EXPECT_EQ(json["explained_share"], trace::rules::kExplainedShare.limit);
   ASSERT_EQ(json["sizes"].size(), 1u);
   EXPECT_EQ(json["sizes"][0]["effect"], "stribeck");
