@@ -137,7 +137,7 @@ std::vector<Datagram> Captured(const node::Options& options, std::size_t most) {
 }
 
 // Bytes, words and lengths behind the header; of half of them the sender is a stranger. All but
-// `whole` of them are broken besides, so that few pass the filter, and many can be sent.
+// `whole` of them are broken besides, so that fewer pass the filter.
 class Mutator {
  public:
   Mutator(std::uint32_t seed, double whole) : random_(seed), whole_(whole) {}
