@@ -8,6 +8,7 @@
 #include <sinew_idl/reference.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <csignal>
 #include <cstdio>
@@ -16,7 +17,9 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <random>
 #include <set>
+#include <sstream>
 #include <string>
 #include <utility>
 #include <vector>
@@ -45,12 +48,13 @@ constexpr int kDomain = 148;
 const std::string kRig = SINEW_SOURCE_DIR "/robots/rig/";
 const std::string kBiped = SINEW_SOURCE_DIR "/robots/biped/";
 
-std::unique_ptr<node::Node> NodeOn(pid_t host, const std::string& name) {
+std::unique_ptr<node::Node> NodeOn(pid_t host, const std::string& name, int copies = 2) {
   const OnHost there(host);
   node::Options options;
   options.component = options.name = name;
   options.domain_id = kDomain;
   options.interfaces = {"wire0"};
+  options.copies = copies;
   return std::make_unique<node::Node>(options);
 }
 
@@ -254,6 +258,36 @@ TEST(Hosts, OneFileOverTwoHostsLossesACutAndAnEstopFromTheOther) {
   ExpectOrderlyEnd(there.get());
   ExpectOrderlyEnd(here.get());
   EXPECT_THAT(here->error(), HasSubstr("hosts on host host0: 1 processes"));
+}
+
+// Frames for each sample, and what a program on the other host reads of them.
+TEST(Hosts, ADatagramGoesToAnotherHostAsOftenAsAskedAndIsReadOnce) {
+  CabledHosts hosts(2);
+  SKIP_WITHOUT_KERNEL(hosts.why_not().empty(), hosts.why_not());
+  constexpr int kSamples = 500;
+  for (const int copies : {1, 2, 3}) {
+    const std::uint64_t sent = hosts.cable().sent();
+    const auto here = NodeOn(hosts.pid(0), "writer", copies);
+    auto writer = here->MakeWriter(node::kJointState);
+    Program echo(hosts.On(1, {kSinew, "echo", "joint_state", "--field", "header.tick", "--count",
+                              std::to_string(kSamples), "--domain", std::to_string(kDomain),
+                              "--interface", "wire0", "--copies", std::to_string(copies)}));
+    msg::JointState state;
+    const auto end = std::chrono::steady_clock::now() + kEnough;
+    while (echo.Wait(3ms) == Program::kTimeout && std::chrono::steady_clock::now() < end) {
+      state.header().tick(state.header().tick() + 1);
+      (void)writer.Write(state);
+    }
+    EXPECT_EQ(echo.Wait(0ms), 0) << echo.error();
+    const double frames = static_cast<double>(hosts.cable().sent() - sent) / kSamples;
+    EXPECT_GT(frames, copies);
+    EXPECT_LT(frames, 1.6 * copies) << "discovery included";
+    std::istringstream lines(echo.output());
+    std::map<std::string, int> read;
+    for (std::string line; std::getline(lines, line);) ++read[line];
+    for (const auto& [line, times] : read) EXPECT_EQ(times, 1) << line << ", " << copies;
+    EXPECT_GE(read.size(), static_cast<std::size_t>(kSamples));
+  }
 }
 
 // --- by night: figures, and what lasts
@@ -563,6 +597,167 @@ TEST_F(HostsByNight, ADiscoveryServerThatDiesLeavesTheRobotThatMoves) {
   EXPECT_EQ(robot.Ask(1, {"disarm", "--timeout", "3"}).exit_code, 1) << "it is not found";
   ::unsetenv("ROS_DISCOVERY_SERVER");
   ExpectOrderlyEnd(there.get());
+  ExpectOrderlyEnd(here.get());
+}
+
+// A controller and what it needs on one of the hosts, each a process that the test ends and starts.
+class Desk {
+ public:
+  Desk(Robot* robot, std::size_t host) : robot_(robot), host_(host) {
+    for (Part& part : parts_) Start(&part);
+  }
+  std::size_t host() const { return host_; }
+  // Ends a part at once; it is started again.
+  void Kill(std::size_t part) {
+    parts_[part].process->Signal(SIGKILL);
+    (void)parts_[part].process->Wait(kEnough);
+    Start(&parts_[part]);
+  }
+  void Signal(std::size_t part, int signal) { parts_[part].process->Signal(signal); }
+  std::size_t parts() const { return parts_.size(); }
+
+ private:
+  struct Part {
+    std::string kind, config;
+    std::unique_ptr<Program> process;
+  };
+
+  void Start(Part* part) {
+    const std::string program =
+        std::filesystem::path(kSinew).parent_path() / ("sinew-" + part->kind);
+    part->process = std::make_unique<Program>(robot_->hosts().On(
+        host_, {program, "--name", part->kind + std::to_string(host_), "--domain",
+                std::to_string(kDomain), "--interface", "wire0", "--config", kRig + part->config}));
+  }
+
+  Robot* robot_;
+  std::size_t host_;
+  std::vector<Part> parts_ = [] {
+    std::vector<Part> parts;
+    parts.push_back({"reference", "reference_benchmark.yaml", nullptr});
+    parts.push_back({"control", "control_pid.yaml", nullptr});
+    return parts;
+  }();
+};
+
+// What of the provider's states is never right, whatever happens on the other hosts.
+struct Conduct {
+  static constexpr double kOff_Nm = 0.05;
+  static constexpr int kTicksToIdle = 10;  // 42 ms: the current decays
+
+  std::uint64_t ticks = 0, torque_without_leave = 0, unnamed = 0;
+  int since_it_may_not = 0;
+
+  void Observe(const msg::JointState& state) {
+    ++ticks;
+    const auto now = state.robot_state();
+    if (now < msg::ROBOT_DISARMED || now > msg::ROBOT_ESTOPPED) ++unnamed;
+    if ((now == msg::ROBOT_FAULT) != (state.fault().cause() != msg::FAULT_NONE)) ++unnamed;
+    const bool may = now == msg::ROBOT_ARMED || now == msg::ROBOT_DAMPED;
+    since_it_may_not = may ? 0 : since_it_may_not + 1;
+    if (since_it_may_not > kTicksToIdle && std::abs(state.torque_Nm()[0]) > kOff_Nm) {
+      ++torque_without_leave;
+    }
+  }
+};
+
+// SINEW_HOSTS_EVENTS events, by default 60: a participant is killed and started again, or stopped
+// for a while; a host is cut off; frames are lost; and both hosts are cut off, in which time no
+// command can come and therefore none may be obeyed. After each of them the robot can be armed
+// again.
+TEST_F(HostsByNight, RandomKillsStopsCutsAndLossesAlwaysLeaveADefinedState) {
+  const char* wanted = std::getenv("SINEW_HOSTS_EVENTS");
+  const int events = wanted == nullptr ? 60 : std::atoi(wanted);
+  const TemporaryFolder folder;
+  Robot robot(3, Rig(GuardOf200ms(folder)));
+  const auto here = robot.Launch(0);
+  ASSERT_TRUE(robot.WaitFor(msg::ROBOT_DISARMED)) << here->error();
+  std::array<Desk, 2> desks{Desk(&robot, 1), Desk(&robot, 2)};
+  ASSERT_NO_FATAL_FAILURE(robot.Arm(1)) << here->error();
+  const auto resident = NodeOn(robot.hosts().pid(0), "resident");
+  auto commands = resident->MakeWriter(node::kOperatorCommand);
+
+  Conduct conduct;
+  std::map<std::string, int> happened, ended_in;
+  std::uint64_t obeyed_while_cut = 0;
+  const auto watch = [&](std::chrono::milliseconds duration, auto&& observe) {
+    const auto end = std::chrono::steady_clock::now() + duration;
+    (void)robot.WaitFor([&](const msg::JointState& state) {
+      conduct.Observe(state);
+      observe(state);
+      return std::chrono::steady_clock::now() >= end;
+    });
+  };
+  const auto only = [](const msg::JointState&) {};
+  std::mt19937 random(1);
+  const auto below = [&random](std::uint32_t limit) { return random() % limit; };
+  for (int event = 0; event < events; ++event) {
+    Desk& desk = desks[below(2)];
+    const std::size_t part = below(static_cast<std::uint32_t>(desk.parts()));
+    const std::chrono::milliseconds duration(20 + below(1500));
+    switch (below(5)) {
+      case 0:
+        ++happened["killed"];
+        desk.Kill(part);
+        break;
+      case 1:
+        ++happened["stopped"];
+        desk.Signal(part, SIGSTOP);
+        watch(duration, only);
+        desk.Signal(part, SIGCONT);
+        break;
+      case 2:
+        ++happened["cut"];
+        robot.cable().Cut(desk.host(), duration);
+        watch(duration, only);
+        break;
+      case 3:
+        ++happened["lost"];
+        robot.cable().Set({.lost = 0.01 * below(41)});
+        watch(duration, only);
+        robot.cable().Set({});
+        break;
+      default: {
+        ++happened["all cut"];
+        for (const Desk& each : desks) robot.cable().Cut(each.host());
+        const auto begin = std::chrono::steady_clock::now();
+        // By then what was on its way is there, and three periods are over.
+        constexpr auto kOnTheirWay = 150ms;
+        watch(kOnTheirWay + duration, [&](const msg::JointState& state) {
+          const bool none_can_come = std::chrono::steady_clock::now() - begin > kOnTheirWay;
+          if (none_can_come && state.robot_state() == msg::ROBOT_ARMED) ++obeyed_while_cut;
+        });
+        for (const Desk& each : desks) robot.cable().Mend(each.host());
+      }
+    }
+    watch(300ms, only);
+    std::optional<msg::RobotState> after;
+    ASSERT_TRUE(robot.WaitFor([&](const msg::JointState& state) {
+      conduct.Observe(state);
+      if (!after) after = state.robot_state();
+      if (state.robot_state() == msg::ROBOT_ARMED) return true;
+      msg::OperatorCommand command;
+      command.header(state.header());
+      command.action(state.robot_state() == msg::ROBOT_FAULT ? msg::OPERATOR_RESET
+                                                             : msg::OPERATOR_ARM);
+      (void)commands.Write(command);
+      return false;
+    })) << "it cannot be armed again after event "
+        << event << "\n"
+        << here->error();
+    ++ended_in[*after == msg::ROBOT_FAULT    ? "fault"
+               : *after == msg::ROBOT_DAMPED ? "damped"
+                                             : "armed"];
+  }
+  std::string counts;
+  for (const auto* each : {&happened, &ended_in}) {
+    for (const auto& [name, count] : *each) counts += ", " + name + " " + std::to_string(count);
+  }
+  std::printf("%d events over three hosts%s; %llu ticks seen\n", events, counts.c_str(),
+              static_cast<unsigned long long>(conduct.ticks));
+  EXPECT_EQ(conduct.unnamed, 0U);
+  EXPECT_EQ(conduct.torque_without_leave, 0U);
+  EXPECT_EQ(obeyed_while_cut, 0U) << "a command that came before the cut";
   ExpectOrderlyEnd(here.get());
 }
 

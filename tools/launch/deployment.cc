@@ -20,6 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kLargestDomain = 232;  // ports of the RTPS mapping end there
+constexpr int kMostCopies = 4;       // as --copies takes
 constexpr double kLongestGrace_s = 600.0;
 constexpr char kProgressTopic[] = "recording_progress";
 // The profiles of a certificate (tools/security).
@@ -419,6 +420,9 @@ void AddNetwork(const Deployment& deployment, const Process& process,
   if (!qos.empty()) line->insert(line->end(), {"--qos", qos.string()});
   if (!deployment.key.empty()) line->insert(line->end(), {"--key", deployment.key.string()});
   for (const std::string& name : deployment.open) line->insert(line->end(), {"--open", name});
+  if (deployment.copies > 0) {
+    line->insert(line->end(), {"--copies", std::to_string(deployment.copies)});
+  }
 }
 
 }  // namespace
@@ -466,6 +470,9 @@ Deployment LoadDeployment(const fs::path& file, const Overrides& overrides,
   }
   if (network.Has("key")) deployment.key = fs::absolute(network.ExistingPath("key"));
   deployment.open = ReadInterfaces(network, "open");
+  if (network.Has("copies")) {
+    deployment.copies = static_cast<int>(network.Integer("copies", {1, kMostCopies}));
+  }
   deployment.isolated = network.BoolOr("isolate", false);
   deployment.discovery_server = ReadDiscoveryServer(network);
   const std::vector<std::string> moved = ReadInterfaces(network, "move");

@@ -43,6 +43,7 @@ struct Deployment {
   std::filesystem::path security;       // folder with a certificate for each; empty: none
   std::filesystem::path key;            // of their datagrams; empty: SINEW_KEY
   std::vector<std::string> open;        // where DDS security does instead of the key
+  int copies = 0;                       // of a datagram to another host; 0: SINEW_COPIES
   std::string discovery_server;         // ADDRESS:PORT; empty: they find each other by multicast
   bool lockstep = false;
   double duration_s = 0.0;  // 0: until stopped

@@ -6,6 +6,7 @@
 
 #include <atomic>
 #include <bit>
+#include <fastdds/rtps/common/LocatorList.hpp>
 #include <span>
 #include <string>
 #include <utility>
@@ -61,8 +62,29 @@ class FilteredTransport final : public transport::ChainingTransport {
       send_buffer = tagged.data();
       send_buffer_size = static_cast<std::uint32_t>(tagged.size());
     }
-    return low_sender_resource->send(send_buffer, send_buffer_size, destination_locators_begin,
-                                     destination_locators_end, timeout);
+    if (admission_.copies == 1) {
+      return low_sender_resource->send(send_buffer, send_buffer_size, destination_locators_begin,
+                                       destination_locators_end, timeout);
+    }
+    // The iterators are used up by one pass.
+    thread_local transport::LocatorList all, far;
+    all.clear();
+    far.clear();
+    for (; *destination_locators_begin != *destination_locators_end;
+         ++*destination_locators_begin) {
+      const rtps::Locator_t& to = **destination_locators_begin;
+      all.push_back(to);
+      if (!rtps::IPLocator::isLocal(to)) far.push_back(to);
+    }
+    const auto send_to = [&](const transport::LocatorList& locators) {
+      transport::Locators begin(locators.begin()), end(locators.end());
+      return low_sender_resource->send(send_buffer, send_buffer_size, &begin, &end, timeout);
+    };
+    const bool sent = send_to(all);
+    for (int copy = 1; copy < admission_.copies && !far.empty(); ++copy) {
+      (void)send_to(far);
+    }
+    return sent;
   }
 
   void receive(transport::TransportReceiverInterface* next_receiver,

@@ -21,11 +21,13 @@ struct Admission {
   Protection protection = Protection::kNone;
   std::optional<DatagramKey> key;      // none: everybody's
   std::vector<InterfaceAddress> open;  // with a key: networks whose hosts need no tag
+  int copies = 1;                      // of a datagram to another host than this one's loopback
 };
 
-// A transport like `inner` that tags what is sent, where there is a key, and hands on what was
-// admitted and passes the filter. It logs the first datagram that is dropped, then every time their
-// number has doubled, with the sender and the reason.
+// A transport like `inner` that tags what is sent, where there is a key, sends its copies, and
+// hands on what was admitted and passes the filter. RTPS takes a copy for what it is: readers drop
+// a sequence number that they have, or an older one. It logs the first datagram that is dropped,
+// then every time their number has doubled, with the sender and the reason.
 std::shared_ptr<eprosima::fastdds::rtps::TransportDescriptorInterface> Filtered(
     std::shared_ptr<eprosima::fastdds::rtps::TransportDescriptorInterface> inner,
     Admission admission);

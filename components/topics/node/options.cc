@@ -118,6 +118,11 @@ void AddDomainOptions(CLI::App& app, Options* options) {
       ->type_name("NAME")
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  app.add_option("--copies", options->copies,
+                 "Times that a datagram is sent to another host: against losses on the way")
+      ->envname("SINEW_COPIES")
+      ->check(CLI::Range(1, kMostCopies))
+      ->capture_default_str();
 }
 
 void EnterDeployment(const Options& options) {

@@ -38,10 +38,13 @@ struct Options {
   std::filesystem::path key_path = {};  // --key or SINEW_KEY: of the deployment; empty: none
   // --open: where a participant without the key may join by DDS security.
   std::vector<std::string> open_interfaces = {};
+  int copies = 2;  // --copies or SINEW_COPIES: of a datagram to another host, against losses
   // The other nodes of this thread, where there are some: composition.h. Outlives the nodes.
   Composition* composition = nullptr;
   std::optional<int> chosen_domain = {};  // domain_id, where --domain or SINEW_DOMAIN gives it
 };
+
+inline constexpr int kMostCopies = 4;
 
 // Whom a participant can stand in for.
 inline const std::string& RoleOf(const Options& options) {
@@ -60,8 +63,8 @@ class StopFlag {
   void Request() noexcept;
 };
 
-// --domain, --deployment, --interface, --qos, --key and --open, of every program that joins a DDS
-// domain.
+// --domain, --deployment, --interface, --qos, --key, --open and --copies, of every program that
+// joins a DDS domain.
 void AddDomainOptions(CLI::App& app, Options* options);
 
 // Into the network of the chosen deployment, where one is isolated. Before any thread exists.

@@ -110,6 +110,7 @@ Admission AdmissionOf(const Options& options, const std::vector<InterfaceAddress
                       Protection protection) {
   Admission out;
   out.protection = protection;
+  out.copies = options.copies;
   if (!options.key_path.empty()) out.key = DatagramKey::Load(options.key_path);
   if (options.open_interfaces.empty()) return out;
   const std::string option = "--open " + options.open_interfaces.front();
@@ -165,6 +166,7 @@ void RestrictTransports(const Options& options, dds::DomainParticipantQos* qos) 
     }
   }
   Admission admission = AdmissionOf(options, running, ProtectionOf(*qos));
+  if (std::all_of(addresses.begin(), addresses.end(), IsLoopback)) admission.copies = 1;
   if (!admission.key) WarnWhenOpen(*qos, running);
   for (auto& descriptor : used.user_transports) {
     if (std::dynamic_pointer_cast<transport::SocketTransportDescriptor>(descriptor)) {
