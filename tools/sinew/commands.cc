@@ -17,6 +17,7 @@
 #include "tools/sinew/launch.h"
 #include "tools/sinew/list.h"
 #include "tools/sinew/model.h"
+#include "tools/sinew/new.h"
 #include "tools/sinew/operator.h"
 #include "tools/sinew/performance.h"
 #include "tools/sinew/permit_replay.h"
@@ -46,6 +47,7 @@ void AddCoreCommands(CLI::App& app) {
   AddImportCommand(app);
   AddRecoverCommand(app);
   AddAttachmentsCommand(app);
+  AddNewCommand(app);
   AddCheckDataCommand(app);
   AddCloseLoopCommand(app);
   AddVerifyCommand(app);

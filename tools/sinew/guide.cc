@@ -32,7 +32,7 @@ const std::array<Group, 5>& Groups() {
        {"record", "replay", "replay-control", "rerun", "snapshot", "import", "export", "recover",
         "attachments"}},
       {"Commands to model",
-       {"check-data", "close-loop", "verify", "effects", "model", "train", "tune", "experiment",
+       {"new", "check-data", "close-loop", "verify", "effects", "model", "train", "tune", "experiment",
         "export-model"}},
       {"Commands to reproduce what was published",
        {"paper", "tables", "control-test", "squat-test", "compare", "search"}},
