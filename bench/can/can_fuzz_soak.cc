@@ -151,7 +151,7 @@ class Soak {
       if (!harmless && trouble != Trouble::kForged) continue;
       for (int j = 0; j < kJoints; ++j) {
         if (trouble == Trouble::kForged && victim_[std::size_t(j)]) continue;
-        if (fed_.plant.fault(j) != bridge::FaultKind::kNone) {
+        if (fed_.plant.fault(j) != types::FaultCause::kNone) {
           return Bad("a fault though nothing was wrong: " + fed_.sensors.message);
         }
         const bool moves = fed_.command.mode[std::size_t(j)] != ControlMode::kIdle;
@@ -348,7 +348,7 @@ class Soak {
     std::printf("joint-cycles by fault, where trouble can make one:");
     for (std::size_t i = 0; i < faults_.size(); ++i) {
       std::printf("%s %s %llu", i == 0 ? "" : ",",
-                  bridge::FaultName(static_cast<bridge::FaultKind>(i)),
+                  types::TermsOf(static_cast<types::FaultCause>(i)).name.data(),
                   static_cast<unsigned long long>(faults_[i]));
     }
     std::printf("\nlongest message of a fault: %zu characters\n", longest_message_);
@@ -372,7 +372,7 @@ class Soak {
   std::uint64_t moved_as_commanded_ = 0;
   std::array<std::uint64_t, kNames.size()> by_trouble_{};
   std::array<long, kNames.size()> episodes_{};
-  std::array<std::uint64_t, bridge::kFaultKinds> faults_{};
+  std::array<std::uint64_t, types::kFaultCauses> faults_{};
   std::size_t longest_message_ = 0;
   long cycles_ = 0;
   int bad_ = 0;

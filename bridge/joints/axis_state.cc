@@ -10,6 +10,7 @@ namespace sinew::bridge {
 namespace {
 
 using types::ControlMode;
+using types::FaultCause;
 
 constexpr std::int64_t kRequestAgain_ns = 100'000'000;
 
@@ -29,10 +30,8 @@ AxisDecision AxisStateMachine::Step(ControlMode command, const JointMeasurement&
   }
   switch (phase_) {
     case AxisPhase::kIdle:
-      if (const auto failure = ZeroCheckFailure(measured)) {
-        fault->Fail(FaultKind::kZero, *failure);
-        return {};
-      }
+      AssessZero(measured, fault);
+      if (fault->active()) return {};
       Enter(AxisPhase::kArming, now_ns);
       mode_ = command;
       return {.request = Request(AxisRequest::kClosedLoop, now_ns)};
@@ -52,7 +51,7 @@ AxisDecision AxisStateMachine::Step(ControlMode command, const JointMeasurement&
     decision.request = Request(AxisRequest::kModeAgain, now_ns);
   }
   if (heartbeat_since && !closed_loop && measured.heartbeat.axis_error == 0) {
-    fault->Fail(FaultKind::kNoClosedLoop, "the axis left closed-loop control");
+    fault->Fail(FaultCause::kNoClosedLoop, "the axis left it");
   }
   decision.follows_command = !fault->active();
   return decision;
@@ -72,7 +71,10 @@ AxisDecision AxisStateMachine::StepArming(ControlMode command, bool confirmed, s
     decision.restart_setpoint = true;
     decision.follows_command = true;
   } else if (now_ns - phase_ns_ > closed_loop_timeout_ns_) {
-    fault->Fail(FaultKind::kNoClosedLoop, "the axis does not enter closed-loop control");
+    fault->Fail({.cause = FaultCause::kNoClosedLoop,
+                 .value = 1e-6 * static_cast<double>(now_ns - phase_ns_),
+                 .limit = 1e-6 * static_cast<double>(closed_loop_timeout_ns_)},
+                "the axis does not enter it");
   } else if (RequestIsOld(now_ns)) {
     decision.request = Request(AxisRequest::kClosedLoop, now_ns);
   }
@@ -115,18 +117,19 @@ double WholeTurnsOff(const JointMeasurement& measured) {
   return c.direction * std::round(off_rad / types::kTwoPi);
 }
 
-std::optional<std::string> ZeroCheckFailure(const JointMeasurement& measured) {
+void AssessZero(const JointMeasurement& measured, FaultLatch* fault) {
   const auto& check = measured.config->zero_check;
-  if (!check) return std::nullopt;
+  if (!check) return;
   const double motor_rad = measured.motor_position_at_output_rad();
   const double output_rad = measured.position_rad();
-  if (std::abs(motor_rad - output_rad) <= check->largest_rad()) return std::nullopt;
-  char text[160];
+  const double apart_rad = std::abs(motor_rad - output_rad);
+  if (apart_rad <= check->largest_rad()) return;
+  char text[96];
   std::snprintf(text, sizeof text,
-                "zero check: the output is at %.4f rad by the motor and at %.4f rad by its own "
-                "encoder, expected within %.4f rad",
-                motor_rad, output_rad, check->largest_rad());
-  return text;
+                "the output is at %.4f rad by the motor and at %.4f rad by its own encoder",
+                motor_rad, output_rad);
+  fault->Fail({.cause = FaultCause::kZero, .value = apart_rad, .limit = check->largest_rad()},
+              text);
 }
 
 }  // namespace sinew::bridge

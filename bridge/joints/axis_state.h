@@ -16,8 +16,6 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
-#include <string>
 
 #include "bridge/joints/faults.h"
 #include "bridge/joints/joint_measurement.h"
@@ -91,8 +89,8 @@ inline constexpr std::int64_t kClearing_ns = 5'000'000;
 // while half the play and the tolerance are less than half a motor turn. Needs an output node.
 double WholeTurnsOff(const JointMeasurement& measured);
 
-// The text of the failure: the two encoders of the output angle disagree by more than half the play
-// and the tolerance. Nothing where they agree or there is no check.
-std::optional<std::string> ZeroCheckFailure(const JointMeasurement& measured);
+// A fault where the two encoders of the output angle disagree by more than half the play and the
+// tolerance; nothing where there is no check.
+void AssessZero(const JointMeasurement& measured, FaultLatch* fault);
 
 }  // namespace sinew::bridge

@@ -12,6 +12,7 @@ namespace sinew::bridge {
 namespace {
 
 using types::ControlMode;
+using types::FaultCause;
 
 constexpr const char* kBeyondCompact = "its position is beyond the range of the compact exchange";
 
@@ -52,7 +53,7 @@ void CanJoint::Reset() {
 
 void CanJoint::Start(std::int64_t now_ns) {
   measured_.iq_ns = now_ns;
-  if (const auto failure = ZeroCheckFailure(measured_)) fault_.Fail(FaultKind::kZero, *failure);
+  AssessZero(measured_, &fault_);
 }
 
 void CanJoint::ClearFault(std::int64_t now_ns) {
@@ -86,7 +87,7 @@ void CanJoint::Assess(std::int64_t now_ns, const can::Transport& bus) {
                                         .now_ns = now_ns},
                                        &fault_);
   if (rule != nullptr && rule->silence && bus.link() != can::Link::kUp) {
-    fault_.Append(", bus '" + bus.name() + "' is " + can::LinkName(bus.link()));
+    fault_.Append("bus '" + bus.name() + "' is " + can::LinkName(bus.link()));
   }
   if (action != ErrorAction::kRequestCodes) return;
   for (const can::Command command : {can::Command::kGetMotorError, can::Command::kGetEncoderError,
@@ -99,7 +100,7 @@ void CanJoint::Command(const ActuatorCommand& command, double period_s, std::int
   const bool finite = std::isfinite(command.motor_torque_Nm) &&
                       std::isfinite(command.position_rad) && std::isfinite(command.velocity_rad_s);
   if (command.mode != ControlMode::kIdle && !finite) {
-    fault_.Fail(FaultKind::kNotFinite, "a command that is not finite");
+    fault_.Fail(FaultCause::kNotFinite);
   }
   const bool was_active = axis_.phase() == AxisPhase::kActive;
   const AxisDecision decision = axis_.Step(command.mode, measured_, now_ns, &fault_);
@@ -109,7 +110,7 @@ void CanJoint::Command(const ActuatorCommand& command, double period_s, std::int
   AxisRequest request = decision.request;
   const bool arms = request == AxisRequest::kClosedLoop || request == AxisRequest::kMode;
   if (arms && !exchange_->Holds(measured_)) {
-    fault_.Fail(FaultKind::kOutOfRange, kBeyondCompact);
+    fault_.Fail(FaultCause::kOutOfRange, kBeyondCompact);
     request = AxisRequest::kIdle;
   }
   switch (request) {
@@ -159,7 +160,7 @@ void CanJoint::SendSetpoint(const ActuatorCommand& command, double period_s, std
       setpoint_rad_ = setpoint.position_rad;
       if (!exchange_->SendPosition(measured_.Revolutions(setpoint.position_rad),
                                    setpoint.velocity_rad_s * rev_per_rad)) {
-        fault_.Fail(FaultKind::kOutOfRange, "the reference is beyond the compact exchange");
+        fault_.Fail(FaultCause::kOutOfRange, "the reference is beyond the compact exchange");
       }
       break;
     }
@@ -176,7 +177,7 @@ void CanJoint::SendSetpoint(const ActuatorCommand& command, double period_s, std
 
 void CanJoint::SendNeutral() {
   if (!exchange_->SendNeutral(axis_.mode(), measured_)) {
-    fault_.Fail(FaultKind::kOutOfRange, kBeyondCompact);
+    fault_.Fail(FaultCause::kOutOfRange, kBeyondCompact);
   }
 }
 
@@ -204,10 +205,7 @@ std::int64_t CanJoint::idle_reported_ns() const {
   return idle ? measured_.heartbeat_ns : 0;
 }
 
-void CanJoint::HearMaster() {
-  fault_.Fail(FaultKind::kAnotherMaster,
-              "another master commands it on this bus; end that one, then reset");
-}
+void CanJoint::HearMaster() { fault_.Fail(FaultCause::kAnotherMaster); }
 
 CanJoint::News CanJoint::TakeFromAxis(const can::Received& received) {
   if (can::CommandsAxis(received.frame, config_.firmware)) {
@@ -236,7 +234,7 @@ void CanJoint::TakeFromGateway(const can::EncoderEstimates& estimates, double iq
                                std::int64_t stamp_ns) {
   if (!CompactLink::Fits(estimates.position_rev)) {
     // Held at the end of its field: it may be anywhere beyond.
-    fault_.Fail(FaultKind::kOutOfRange, kBeyondCompact);
+    fault_.Fail(FaultCause::kOutOfRange, kBeyondCompact);
   }
   measured_.TakeEstimates(estimates, stamp_ns, &fault_);
   measured_.iq_A = iq_A;
@@ -265,7 +263,9 @@ void CanJoint::Fill(std::size_t j, std::int64_t now_ns, provider::PlantSensors* 
       std::clamp<std::int64_t>((now_ns - m.oldest_ns()) / 1000, 0, 2'000'000'000);
   sensors->age_us[j] = static_cast<std::int32_t>(age_us);
   sensors->valid[j] = age_us * 1000 <= ToNs(timing_.estimate_timeout_s);
-  sensors->joint_fault[j] = fault_.Report();
+  (void)fault_.Report();
+  sensors->joint_fault[j] = fault_.fault();
+  sensors->joint_fault[j].joint = static_cast<int>(j);
 }
 
 }  // namespace sinew::bridge

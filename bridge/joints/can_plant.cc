@@ -99,7 +99,7 @@ void CanPlant::ListenForMaster() {
     if (transports_.front()->Receive(std::chrono::milliseconds(2), &received)) Take(0, received);
     Drain();
     for (const CanJoint& joint : joints_) {
-      if (joint.fault().kind() == FaultKind::kAnotherMaster) {
+      if (joint.fault().cause() == types::FaultCause::kAnotherMaster) {
         throw std::runtime_error(joint.fault().text());
       }
     }

@@ -67,8 +67,8 @@ class CanPlant : public provider::Plant {
   // The last frames: neutral setpoints, axes idle, relays off. None where there was none before.
   void ShutDown() noexcept override;
 
-  FaultKind fault(int joint) const {
-    return joints_[static_cast<std::size_t>(joint)].fault().kind();
+  types::FaultCause fault(int joint) const {
+    return joints_[static_cast<std::size_t>(joint)].fault().cause();
   }
   // In the order of the configuration.
   std::span<const BodyMeasurement> body_nodes() const { return body_nodes_; }

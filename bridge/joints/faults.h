@@ -11,6 +11,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -18,31 +19,9 @@
 #include "bridge/joints/encoder_watch.h"
 #include "bridge/joints/joint_config.h"
 #include "bridge/joints/joint_measurement.h"
+#include "components/base/types/fault.h"
 
 namespace sinew::bridge {
-
-enum class FaultKind {
-  kNone,
-  kAxisError,
-  kHeartbeatLost,
-  kEstimatesLost,
-  kNodeLost,
-  kEncoderJump,
-  kOverTemperature,
-  kOverspeed,
-  kOutOfRange,
-  kNoClosedLoop,
-  kZero,
-  kNotFinite,
-  kOutputJump,
-  kEncoderFrozen,
-  kEncoderSlipped,
-  kEncodersDisagree,
-  kAnotherMaster,
-};
-inline constexpr int kFaultKinds = static_cast<int>(FaultKind::kAnotherMaster) + 1;
-
-const char* FaultName(FaultKind kind);  // "axis error"
 
 // Times the velocity limit: above it the joint has a fault.
 inline constexpr double kOverspeed = 1.5;
@@ -54,14 +33,18 @@ class FaultLatch {
  public:
   explicit FaultLatch(const JointConfig& joint);
 
-  bool active() const { return kind_ != FaultKind::kNone; }
-  FaultKind kind() const { return kind_; }
+  bool active() const { return fault_.active(); }
+  const types::Fault& fault() const { return fault_; }  // without the joint's index
+  types::FaultCause cause() const { return fault_.cause; }
   const std::string& text() const { return text_; }  // "joint 'knee' (node 3): ..."
 
   // Does nothing when a fault is latched.
-  void Fail(FaultKind kind, std::string_view what);
-  // To the text of the fault that is latched.
-  void Append(const std::string& more) { text_ += more; }
+  void Fail(types::FaultCause cause, std::string_view detail = {}) {
+    Fail(types::Fault{.cause = cause}, detail);
+  }
+  void Fail(const types::Fault& fault, std::string_view detail = {});
+  // To the detail of the fault that is latched.
+  void Append(std::string_view more);
   // Appends a code that is not 0 to an axis error, at most one of each source.
   void AppendErrorCode(ErrorSource source, std::uint64_t code);
   // active(), and from now on the fault counts as reported.
@@ -71,7 +54,8 @@ class FaultLatch {
 
  private:
   std::string joint_;
-  FaultKind kind_ = FaultKind::kNone;
+  types::Fault fault_;
+  std::string detail_;
   bool reported_ = false;
   std::uint32_t sources_ = 0;  // bit per ErrorSource whose code is in the text
   std::string text_;
@@ -85,10 +69,15 @@ struct FaultInput {
   std::int64_t now_ns = 0;
 };
 
+// What was measured beyond a limit, as in types::Fault.
+struct Excess {
+  double value = 0.0, limit = 0.0;
+  std::string detail{};
+};
+
 struct FaultRule {
-  FaultKind kind;
-  bool (*holds)(const FaultInput&);
-  std::string (*text)(const FaultInput&);
+  types::FaultCause cause;
+  std::optional<Excess> (*excess)(const FaultInput&);  // nothing: no fault
   bool silence = false;  // a state of the bus may be the reason: named in the text
 };
 
@@ -98,7 +87,7 @@ std::span<const FaultRule> FaultRules();
 // The rule by which this joint has a fault from now on; nullptr: none, or there was a fault before.
 const FaultRule* AssessFaults(const FaultInput& input, FaultLatch* fault);
 
-// "axis error 0x41, invalid state, motor failed"
+// "0x41, invalid state, motor failed"
 std::string AxisErrorText(std::uint32_t error);
 
 }  // namespace sinew::bridge

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "bridge/joints/faults.h"
 #include "components/base/types/angle.h"
@@ -11,6 +10,7 @@ namespace sinew::bridge {
 namespace {
 
 using can::Command;
+using types::FaultCause;
 
 constexpr double kJump_rev = 0.25;
 constexpr double kQueued_s = 0.01;  // longest wait of a measurement for its place on the bus
@@ -125,11 +125,9 @@ void JointMeasurement::TakeEstimates(const can::EncoderEstimates& news, std::int
     const double step_rev = std::abs(news.position_rev - estimates.position_rev);
     // The stamp is the frame's; the measurement may have waited for the bus.
     const double expected_rev = std::abs(estimates.velocity_rev_s) * (dt_s + kQueued_s);
-    if (step_rev > std::max(fastest_rev_s * dt_s, expected_rev) + kJump_rev) {
-      char text[96];
-      std::snprintf(text, sizeof text, "the motor encoder jumped by %.2f revolutions in %.1f ms",
-                    step_rev, 1e3 * dt_s);
-      fault->Fail(FaultKind::kEncoderJump, text);
+    const double largest_rev = std::max(fastest_rev_s * dt_s, expected_rev) + kJump_rev;
+    if (step_rev > largest_rev) {
+      fault->Fail({.cause = FaultCause::kEncoderJump, .value = step_rev, .limit = largest_rev});
     }
   }
   estimates = news;
@@ -144,11 +142,9 @@ void JointMeasurement::AssessOutputStep(const can::OutputEncoder& before, std::i
   const double fastest_rad_s =
       std::max(kOverspeed * config->limits.velocity_rad_s, std::abs(before.velocity_rad_s));
   const double step_rad = std::abs(output.angle_rad - before.angle_rad);
-  if (step_rad <= fastest_rad_s * dt_s + play_rad + kOutputJump_rad) return;
-  char text[96];
-  std::snprintf(text, sizeof text, "the output encoder jumped by %.3f rad in %.1f ms", step_rad,
-                1e3 * (dt_s - kQueued_s));
-  fault->Fail(FaultKind::kOutputJump, text);
+  const double largest_rad = fastest_rad_s * dt_s + play_rad + kOutputJump_rad;
+  if (step_rad <= largest_rad) return;
+  fault->Fail({.cause = FaultCause::kOutputJump, .value = step_rad, .limit = largest_rad});
 }
 
 Taken JointMeasurement::TakeFromNode(const can::Received& received, FaultLatch* fault) {

@@ -11,8 +11,8 @@
 namespace sinew::fuzz {
 namespace {
 
-using bridge::FaultKind;
 using types::ControlMode;
+using types::FaultCause;
 
 // One joint with a sensor node, on its bus.
 struct OneJoint {
@@ -65,7 +65,7 @@ TEST(Found, RepeatedAnswersAboutAnErrorDoNotMakeTheFaultsMessageGrow) {
   joint.bus.feed.push_back(can::Encode(
       1, can::Heartbeat{can::axis_error::kMotorFailed, can::AxisState::kIdle}, firmware));
   joint.Cycle();
-  ASSERT_EQ(joint.plant.fault(0), FaultKind::kAxisError);
+  ASSERT_EQ(joint.plant.fault(0), FaultCause::kAxisError);
   for (int i = 0; i < 1000; ++i) {
     joint.bus.feed.push_back(can::Encode(1, can::MotorError{0x10}, firmware));
     joint.bus.feed.push_back(can::Encode(1, can::EncoderError{0x4}, firmware));
@@ -98,15 +98,15 @@ TEST(Found, FaultThatRoseInActIsReportedEvenWhenAResetComesBeforeTheStep) {
   joint.command.mode[0] = ControlMode::kTorque;
   joint.command.motor_torque_Nm[0] = 0.01;
   for (int i = 0; i < 30; ++i) joint.Cycle();
-  ASSERT_EQ(joint.plant.fault(0), FaultKind::kNone) << joint.sensors.message;
+  ASSERT_EQ(joint.plant.fault(0), FaultCause::kNone) << joint.sensors.message;
   joint.now_ns += kPeriod_ns;
   joint.bus.feed.push_back(
       can::Encode(1, can::EncoderEstimates{500.0, 0.0}, joint.config.joints[0].firmware));
   joint.plant.Act(joint.command, kPeriod_s);
-  ASSERT_EQ(joint.plant.fault(0), FaultKind::kEncoderJump);
+  ASSERT_EQ(joint.plant.fault(0), FaultCause::kEncoderJump);
   joint.plant.ClearFault();
   joint.Step();
-  EXPECT_TRUE(joint.sensors.joint_fault[0]);
+  EXPECT_TRUE(joint.sensors.joint_fault[0].active());
 }
 
 TEST(Found, MinusZeroIsNoTimeOfALog) {

@@ -11,8 +11,8 @@
 namespace sinew::fuzz {
 namespace {
 
-using bridge::FaultKind;
 using types::ControlMode;
+using types::FaultCause;
 
 constexpr double kTurn_rad = 2.0 * std::numbers::pi;
 constexpr double kTaper = 0.1;  // of the velocity limit, can_bridge.md
@@ -141,7 +141,7 @@ void PlantWatch::LookAt(std::size_t j, std::int64_t now_ns) {
     joint.armed = false;
     return;
   }
-  if (plant_->fault(static_cast<int>(j)) != FaultKind::kNone) return;
+  if (plant_->fault(static_cast<int>(j)) != FaultCause::kNone) return;
   if (!joint.armed) {
     joint.armed = true;
     joint.closed_since_armed = false;
@@ -154,7 +154,7 @@ void PlantWatch::LookAt(std::size_t j, std::int64_t now_ns) {
 
 bool PlantWatch::MayMove(std::size_t j) const {
   return joints_[j].armed && joints_[j].closed_since_armed &&
-         plant_->fault(static_cast<int>(j)) == FaultKind::kNone;
+         plant_->fault(static_cast<int>(j)) == FaultCause::kNone;
 }
 
 double PlantWatch::OutputPosition(std::size_t j, bool valid_only) const {
@@ -372,7 +372,7 @@ void PlantWatch::AssessReferences(std::size_t g, int bus, const can::Frame& fram
     } else if (!where_it_is && !still) {
       Break("a reference for a joint that must not move", bus, frame);
     } else if (!where_it_is && joint.armed && command_.mode[j] == ControlMode::kPosition &&
-               plant_->fault(static_cast<int>(j)) == FaultKind::kNone) {
+               plant_->fault(static_cast<int>(j)) == FaultCause::kNone) {
       Break("an old reference for a joint that is being armed", bus, frame);
     }
     joint.last_reference_rev = wire_rev;

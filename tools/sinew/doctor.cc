@@ -97,6 +97,8 @@ class Heard {
     }
     participant.ticks = status.header().tick() - participant.first_tick;
     participant.missed = status.missed_ticks() - participant.first_missed;
+    participant.received = status.received_datagrams();
+    participant.refused = status.refused_datagrams();
   }
 
   // A message of every cycle.
@@ -124,6 +126,13 @@ class Heard {
                         sent - std::min(sent, cycles.heard)});
     }
     for (const auto& [id, participant] : participants_) {
+      if (participant.refused > 0) {
+        findings.push_back({"datagrams", Severity::kWarning,
+                            "'" + participant.name + "' of host '" + participant.host +
+                                "' refused " + std::to_string(participant.refused) + " of " +
+                                std::to_string(participant.received) + " datagrams",
+                            "its log: senders and reasons (no key, or no RTPS that is read here)"});
+      }
       if (provider_host.empty() || participant.host == provider_host) continue;
       losses.push_back({"ticks of host '" + provider_host + "' at '" + participant.name +
                             "' of host '" + participant.host + "'",
@@ -147,7 +156,8 @@ class Heard {
     std::string name, host;
     std::uint64_t session = 0;
     std::uint64_t first_tick = 0, first_missed = 0;
-    std::uint64_t ticks = 0, missed = 0;  // since the first message
+    std::uint64_t ticks = 0, missed = 0;      // since the first message
+    std::uint64_t received = 0, refused = 0;  // datagrams
   };
   struct Cycles {
     std::string topic;

@@ -179,6 +179,8 @@ Json DescribeDomain(const ListOptions& options) {
                                       {"stale_inputs", status.stale_inputs()},
                                       {"missed_ticks", status.missed_ticks()},
                                       {"write_failures", status.write_failures()},
+                                      {"received_datagrams", status.received_datagrams()},
+                                      {"refused_datagrams", status.refused_datagrams()},
                                       {"resident_MB", status.resident_MB()},
                                       {"message", status.message().to_string()}});
     if (status.idl_hash().to_string() != own_hash) {

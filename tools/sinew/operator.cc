@@ -17,12 +17,14 @@
 #include <utility>
 #include <vector>
 
+#include "components/base/types/fault.h"
 #include "components/base/types/json_text.h"
 #include "components/robot/estop/press.h"
 #include "components/robot/estop/socket_folder.h"
 #include "components/topics/isolation/isolation.h"
 #include "components/topics/node/node.h"
 #include "components/topics/node/time_option.h"
+#include "components/topics/wire/wire.h"
 #include "tools/sinew/node_options.h"
 
 namespace sinew::tools {
@@ -94,8 +96,9 @@ std::string Why(const Request& request, const std::optional<msg::JointState>& st
   const std::string now = StateName(state->robot_state());
   if (request.action == msg::OPERATOR_ARM &&
       (state->robot_state() == msg::ROBOT_FAULT || state->robot_state() == msg::ROBOT_ESTOPPED)) {
-    return "the robot is in '" + now +
-           "'; see the provider's log, then 'sinew reset' (a missing controller also ends there)";
+    const std::string fault = types::FaultText(wire::FromWire(state->fault()));
+    return "the robot is in '" + now + "'" + (fault.empty() ? "" : ": " + fault) +
+           "; then 'sinew reset'";
   }
   return "the robot stays in '" + now + "'";
 }

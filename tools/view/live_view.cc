@@ -77,6 +77,7 @@ ParticipantStatus StatusOf(const msg::ComponentStatus& message) {
   status.write_failures = message.write_failures();
   status.malformed_samples = message.malformed_samples();
   status.dropped_samples = message.dropped_samples();
+  status.refused_datagrams = message.refused_datagrams();
   status.resident_MB = message.resident_MB();
   return status;
 }
@@ -263,6 +264,7 @@ class Live {
     }
     const auto robot = desk_.robot(now_ns);
     return types::JsonText(Json{{"robot_state", robot ? Json(NameOf(*robot)) : Json(nullptr)},
+                                {"fault", robot ? desk_.fault() : ""},
                                 {"action", desk_.Report()},
                                 {"recording",
                                  {{"running", recorder_.running()},

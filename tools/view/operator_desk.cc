@@ -11,6 +11,7 @@
 
 #include "components/robot/estop/press.h"
 #include "components/robot/estop/socket_folder.h"
+#include "components/topics/wire/wire.h"
 
 namespace sinew::live {
 
@@ -64,6 +65,7 @@ void OperatorDesk::Step(std::int64_t now_ns) {
   bool stopped = false;
   while (const auto state = states_.TakeNext()) {  // ESTOPPED may last no longer than a cycle
     robot_ = static_cast<RobotIs>(state->robot_state());
+    fault_ = wire::FromWire(state->fault());
     stopped = stopped || *robot_ == RobotIs::kEstopped;
     session_id_ = state->header().session_id();
     tick_ = state->header().tick();

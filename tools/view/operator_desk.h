@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "components/base/types/fault.h"
 #include "components/topics/node/node.h"
 #include "tools/view/pending_action.h"
 
@@ -30,6 +31,8 @@ class OperatorDesk {
   // Of the last action: {"action", "pending", "done", "why"}; null: none was asked for.
   nlohmann::ordered_json Report() const;
   std::optional<RobotIs> robot(std::int64_t now_ns) const;
+  // Cause, value, limit and remedy of the newest joint_state; empty: no fault.
+  std::string fault() const { return types::FaultText(fault_); }
 
  private:
   void PressSockets(std::int64_t now_ns);
@@ -46,6 +49,7 @@ class OperatorDesk {
   bool estop_pending_ = false;   // guarded
   PendingAction action_;
   std::optional<RobotIs> robot_;
+  types::Fault fault_;
   std::uint64_t session_id_ = 0, tick_ = 0;
   std::int64_t stamp_ns_ = 0;
   int origin_ = 0;

@@ -60,6 +60,7 @@ nlohmann::ordered_json Participants::Rows(std::int64_t now_ns) const {
          {"write_failures", status.write_failures},
          {"malformed_samples", status.malformed_samples},
          {"dropped_samples", status.dropped_samples},
+         {"refused_datagrams", status.refused_datagrams},
          {"resident_MB", status.resident_MB},
          {"cpu_percent", row.cpu_percent < 0.0 ? nlohmann::ordered_json(nullptr)
                                                : nlohmann::ordered_json(row.cpu_percent)},

@@ -21,6 +21,7 @@ struct ParticipantStatus {
   std::uint32_t process_id = 0;
   std::uint64_t cycles = 0, stale_inputs = 0, missed_ticks = 0;
   std::uint64_t write_failures = 0, malformed_samples = 0, dropped_samples = 0;
+  std::uint64_t refused_datagrams = 0;
   double resident_MB = 0.0;
 };
 
@@ -44,7 +45,7 @@ class Participants {
 
   // An array, a row a process: name, kind, state, standby, process_id, host, age_s, cycles,
   // cycles_Hz, stale_inputs, missed_ticks, write_failures, malformed_samples, dropped_samples,
-  // resident_MB, cpu_percent (null: not known), message.
+  // refused_datagrams, resident_MB, cpu_percent (null: not known), message.
   nlohmann::ordered_json Rows(std::int64_t now_ns) const;
   std::size_t size() const { return rows_.size(); }
 

@@ -44,6 +44,7 @@ StatusReader::StatusReader(const recording::IdlType& type)
       write_failures_(FieldIfThere(type, "write_failures")),
       malformed_samples_(FieldIfThere(type, "malformed_samples")),
       dropped_samples_(FieldIfThere(type, "dropped_samples")),
+      refused_datagrams_(FieldIfThere(type, "refused_datagrams")),
       resident_MB_(FieldIfThere(type, "resident_MB")) {}
 
 ParticipantStatus StatusReader::Read(std::span<const std::byte> payload) const {
@@ -67,6 +68,7 @@ ParticipantStatus StatusReader::Read(std::span<const std::byte> payload) const {
   status.write_failures = count(write_failures_);
   status.malformed_samples = count(malformed_samples_);
   status.dropped_samples = count(dropped_samples_);
+  status.refused_datagrams = count(refused_datagrams_);
   status.resident_MB = resident_MB_ ? resident_MB_->AsDouble(payload) : 0.0;
   return status;
 }

@@ -30,7 +30,7 @@ class StatusReader {
   using Field = std::optional<recording::CdrField>;
   recording::CdrField name_, state_, cycles_;
   Field kind_, host_, message_, standby_, process_id_, stale_inputs_, missed_ticks_;
-  Field write_failures_, malformed_samples_, dropped_samples_, resident_MB_;
+  Field write_failures_, malformed_samples_, dropped_samples_, refused_datagrams_, resident_MB_;
 };
 
 class RecordedParticipants {

@@ -10,6 +10,8 @@
 
 namespace sinew::provider {
 
+using types::Fault;
+using types::FaultCause;
 using types::Origin;
 using types::RobotState;
 
@@ -72,16 +74,16 @@ void CommandGuard::Estop() {
   state_ = RobotState::kEstopped;
 }
 
-void CommandGuard::JointFault() {
+void CommandGuard::JointFault(const Fault& fault) {
   if (config_.on_joint_fault == OtherJointsPolicy::kContinue) return;
   const bool moved = in_fault_ != Verdict::kIdle || types::MayMove(state_);
-  Fail({FaultCause::kJoints});
+  Fail(fault);
   if (moved) in_fault_ = VerdictOf(config_.on_joint_fault);
 }
 
 void CommandGuard::Fall() {
   const bool moved = in_fault_ != Verdict::kIdle || types::MayMove(state_);
-  Fail({FaultCause::kFall});
+  Fail({.cause = FaultCause::kFall});
   if (moved && config_.on_fall == FallPolicy::kDamp) in_fault_ = Verdict::kDamp;
 }
 
@@ -129,7 +131,9 @@ Verdict CommandGuard::Step(std::uint64_t tick, std::chrono::nanoseconds period,
   const std::chrono::nanoseconds old =
       std::max(static_cast<std::int64_t>(tick - last_tick_) * period, age - period);
   if (old > config_.fault_after) {
-    Fail({FaultCause::kCommandMissing, Milliseconds(old), Milliseconds(config_.fault_after)});
+    Fail({.cause = FaultCause::kCommandMissing,
+          .value = Milliseconds(old),
+          .limit = Milliseconds(config_.fault_after)});
     return Verdict::kIdle;
   }
   if (old >= config_.missed_periods * period) {

@@ -15,9 +15,9 @@
 #include <cstdint>
 #include <memory>
 
+#include "components/base/types/fault.h"
 #include "components/base/types/message_header.h"
 #include "components/base/types/robot_state.h"
-#include "components/robot/provider/fault.h"
 #include "components/robot/provider/plant.h"
 
 namespace sinew::provider {
@@ -33,6 +33,11 @@ struct FallGuardConfig;  // fall_guard.h
 
 // Relays of a robot in FAULT or ESTOPPED: all off, which keeps the pressure, or its air let out.
 enum class ValvesInFault { kHold, kVent };
+
+// Of a fault's value and limit.
+constexpr double Milliseconds(std::chrono::nanoseconds time) {
+  return 1e-6 * static_cast<double>(time.count());
+}
 
 struct GuardConfig {
   int missed_periods = 3;                     // without their commands: bridge the gap
@@ -65,10 +70,10 @@ class CommandGuard {
   bool Arm(std::uint64_t session_id, std::uint64_t tick);
   void Disarm();
   void Estop();
-  void Fail(const Fault& fault);  // all joints idle
-  void JointFault();              // of a joint: the others follow the OtherJointsPolicy
-  void Fall();                    // of the robot: its joints follow the FallPolicy
-  bool Reset();                   // from fault or estop to disarmed
+  void Fail(const types::Fault& fault);        // all joints idle
+  void JointFault(const types::Fault& fault);  // the others follow the OtherJointsPolicy
+  void Fall();                                 // of the robot: its joints follow the FallPolicy
+  bool Reset();                                // from fault or estop to disarmed
 
   // True when the command counts: own session, allowed origin, not from the future, newer than the
   // last. Its stamp is not read.
@@ -85,14 +90,14 @@ class CommandGuard {
   std::uint64_t last_tick() const { return last_tick_; }  // accepted, or of arming
 
   types::RobotState state() const { return state_; }
-  const Fault& fault() const { return fault_; }  // the first since the last Reset
+  const types::Fault& fault() const { return fault_; }  // the first since the last Reset
   std::uint64_t refused() const { return refused_; }
   std::uint64_t faults() const { return faults_; }
 
  private:
   GuardConfig config_;
   types::RobotState state_ = types::RobotState::kDisarmed;
-  Fault fault_;
+  types::Fault fault_;
   std::uint64_t session_id_ = 0;
   std::uint64_t last_tick_ = 0;        // of the last accepted command, or of arming
   bool has_command_ = false;           // since arming

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "components/base/types/control_mode.h"
+#include "components/base/types/fault.h"
 #include "components/base/types/joints.h"
 
 namespace sinew::provider {
@@ -43,12 +44,13 @@ struct PlantSensors {
   types::JointArray<bool> valid{};
   // A joint's own fault: it idles until the operator's reset; the others follow the guard's policy
   // for the other joints (guard.h).
-  types::JointArray<bool> joint_fault{};
+  types::JointArray<types::Fault> joint_fault{};
   bool fault = false;   // of the whole plant
   std::string message;  // why
 
   bool any_fault() const {
-    return fault || std::find(joint_fault.begin(), joint_fault.end(), true) != joint_fault.end();
+    return fault || std::any_of(joint_fault.begin(), joint_fault.end(),
+                                [](const types::Fault& joint) { return joint.active(); });
   }
 };
 

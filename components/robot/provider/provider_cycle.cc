@@ -10,6 +10,8 @@
 namespace sinew::provider {
 
 using types::ControlMode;
+using types::Fault;
+using types::FaultCause;
 using types::kMaxJoints;
 using types::OperatorAction;
 using types::Origin;
@@ -126,11 +128,12 @@ bool ProviderCycle::Take(const JointSetpoints& command, std::uint64_t tick) {
 
 Fault ProviderCycle::FaultOf(const JointSetpoints& command) const {
   if (command.joint_count != config_.joint_count) {
-    return {FaultCause::kCommandJoints, static_cast<double>(command.joint_count),
-            static_cast<double>(config_.joint_count)};
+    return {.cause = FaultCause::kCommandJoints,
+            .value = static_cast<double>(command.joint_count),
+            .limit = static_cast<double>(config_.joint_count)};
   }
   if (!command.other_joint) return {};
-  return {FaultCause::kCommandNames, static_cast<double>(*command.other_joint)};
+  return {.cause = FaultCause::kCommandNames, .joint = *command.other_joint};
 }
 
 bool ProviderCycle::Take(const ValveCommand& command, std::uint64_t tick) {
@@ -159,7 +162,9 @@ bool ProviderCycle::Begin(std::uint64_t tick, std::int64_t now_ns) {
   const std::chrono::nanoseconds gap(now_ns - began_ns_[(tick + kTicksKept - 1) % kTicksKept]);
   began_ns_[tick % kTicksKept] = now_ns;
   if (tick == 0 || gap <= config_.guard.fault_after || !types::MayMove(state())) return false;
-  guard_.Fail({FaultCause::kCycleLate, Milliseconds(gap), Milliseconds(config_.guard.fault_after)});
+  guard_.Fail({.cause = FaultCause::kCycleLate,
+               .value = Milliseconds(gap),
+               .limit = Milliseconds(config_.guard.fault_after)});
   return true;
 }
 
@@ -174,7 +179,7 @@ const PlantCommand& ProviderCycle::Command(std::uint64_t tick, const PlantSensor
                                            std::int64_t now_ns) {
   Verdict verdict = guard_.Step(tick, period_, AgeByClock(tick, now_ns));
   if (const auto joint = verdict == Verdict::kPass ? NotFinite() : std::nullopt) {
-    guard_.Fail({FaultCause::kCommandNotFinite, static_cast<double>(*joint)});
+    guard_.Fail({.cause = FaultCause::kCommandNotFinite, .joint = static_cast<int>(*joint)});
     verdict = Verdict::kIdle;
   }
   const bool stopped = state() == RobotState::kFault || state() == RobotState::kEstopped;
@@ -183,7 +188,7 @@ const PlantCommand& ProviderCycle::Command(std::uint64_t tick, const PlantSensor
   const auto joints = static_cast<std::size_t>(config_.joint_count);
   for (std::size_t j = 0; j < joints; ++j) {
     command_.motor_torque_Nm[j] = 0.0;
-    switch (sensors.joint_fault[j] ? Verdict::kIdle : verdict) {
+    switch (sensors.joint_fault[j].active() ? Verdict::kIdle : verdict) {
       case Verdict::kIdle:
         command_.mode[j] = ControlMode::kIdle;
         break;
@@ -241,13 +246,15 @@ bool ProviderCycle::ValvesFollow(std::uint64_t tick) const {
 
 FaultChange ProviderCycle::Observe(const PlantSensors& sensors) {
   const auto begin = sensors.joint_fault.begin();
-  const auto faulty = std::count(begin, begin + config_.joint_count, true);
+  const auto end = begin + config_.joint_count;
+  const auto active = [](const Fault& fault) { return fault.active(); };
+  const auto faulty = std::count_if(begin, end, active);
   FaultChange change = FaultChange::kNone;
   if (sensors.fault || faulty == config_.joint_count) {
-    guard_.Fail({sensors.fault ? FaultCause::kPlant : FaultCause::kJoints});
+    guard_.Fail(sensors.fault ? Fault{.cause = FaultCause::kPlant} : *begin);
     change = FaultChange::kRobot;
   } else if (faulty > faulty_joints_) {
-    guard_.JointFault();
+    guard_.JointFault(*std::find_if(begin, end, active));
     change = FaultChange::kJoint;
   }
   faulty_joints_ = faulty;

@@ -33,6 +33,7 @@
 
 #include "components/base/types/command_rule.h"
 #include "components/base/types/control_mode.h"
+#include "components/base/types/fault.h"
 #include "components/base/types/joints.h"
 #include "components/base/types/message_header.h"
 #include "components/base/types/operator_action.h"
@@ -153,7 +154,7 @@ class ProviderCycle {
   std::string FallRefusal() const { return fall_ ? fall_->ArmRefusal() : std::string(); }
 
   // What keeps the newest joint command under the present session id from being obeyed.
-  const Fault& CommandFault() const { return command_fault_; }
+  const types::Fault& CommandFault() const { return command_fault_; }
 
   // Real time: the joint command of this tick is waited for. False: nobody may move, or the
   // command has arrived.
@@ -162,7 +163,7 @@ class ProviderCycle {
   bool Overdue(std::uint64_t tick) const { return guard_.Overdue(tick); }
 
   types::RobotState state() const { return guard_.state(); }
-  const Fault& fault() const { return guard_.fault(); }
+  const types::Fault& fault() const { return guard_.fault(); }
   std::uint64_t refused() const { return guard_.refused(); }
   bool last(std::uint64_t tick) const { return tick == last_tick_; }
   // One more than the newest tick under the present session id that was answered, whether the
@@ -184,7 +185,7 @@ class ProviderCycle {
 
  private:
   // That a command is for other joints than the robot's.
-  Fault FaultOf(const JointSetpoints& command) const;
+  types::Fault FaultOf(const JointSetpoints& command) const;
   // Joint j of command_ as the accepted joint command says.
   void Pass(std::size_t joint);
   // The first joint whose part of the accepted joint command is not finite.
@@ -212,7 +213,7 @@ class ProviderCycle {
   types::JointArray<bool> held_{};  // those that were known
   std::ptrdiff_t faulty_joints_ = 0;
   std::uint64_t joint_answers_ = 0, valve_answers_ = 0;
-  Fault command_fault_;
+  types::Fault command_fault_;
 };
 
 }  // namespace sinew::provider

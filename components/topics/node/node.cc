@@ -98,8 +98,8 @@ std::uint64_t Node::EndpointChanges() const { return impl_->discovery.changes();
 
 std::vector<std::string> Node::Problems() const { return impl_->discovery.problems(); }
 
-void Node::SetState(State state, const std::string& message) {
-  impl_->status.SetState(state, message);
+void Node::SetState(State state, const std::string& message, const types::Fault& fault) {
+  impl_->status.SetState(state, message, fault);
 }
 
 void Node::SetStandby(bool standby) { impl_->status.SetStandby(standby); }

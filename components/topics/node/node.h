@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "components/base/types/fault.h"
 #include "components/topics/node/options.h"
 #include "components/topics/node/topics.h"
 #include "components/topics/node/writer_id.h"
@@ -161,7 +162,7 @@ class Node {
   // component_status, published by a thread beside the loop: at once when the state or message
   // changes, and once a second while the loop calls SetCycle, SetCounts or any wait of this node.
   enum class State { kConfigured, kActive, kFault, kStopped };
-  void SetState(State state, const std::string& message = "");
+  void SetState(State state, const std::string& message = "", const types::Fault& fault = {});
   // Another participant is heard in this one's place (other_owner.h).
   void SetStandby(bool standby);
   struct Counts {

@@ -7,9 +7,11 @@
 #include <mutex>
 #include <utility>
 
+#include "components/topics/node/filtered_transport.h"
 #include "components/topics/node/host_name.h"
 #include "components/topics/node/version.h"
 #include "components/topics/wire/component_state.h"
+#include "components/topics/wire/wire.h"
 
 namespace sinew::node::internal {
 
@@ -71,14 +73,18 @@ void Status::Beat() noexcept {
   systemd_.Beat();
 }
 
-void Status::SetState(Node::State state, const std::string& message) {
+void Status::SetState(Node::State state, const std::string& message, const types::Fault& fault) {
   Beat();
   {
     const std::lock_guard<PriorityMutex> lock(mutex_);
-    if (values_.configured && state == values_.state && message == values_.message) return;
+    if (values_.configured && state == values_.state && message == values_.message &&
+        fault == values_.fault) {
+      return;
+    }
     values_.configured = true;
     values_.state = state;
     values_.message = message;
+    values_.fault = fault;
     changed_ = true;
   }
   wake_up_.Give();
@@ -157,7 +163,11 @@ void Status::Publish(const Values& values) {
   status.write_failures(values.counts.write_failures + failed_publications_);
   status.malformed_samples(malformed_.load(std::memory_order_relaxed));
   status.dropped_samples(dropped_.load(std::memory_order_relaxed));
+  const DatagramCounts datagrams = ReceivedDatagrams();
+  status.received_datagrams(datagrams.received);
+  status.refused_datagrams(datagrams.dropped);
   status.resident_MB(ResidentMegabytes());
+  status.fault(wire::ToWire(values.fault));
   status.message(values.message.substr(0, 255));
   Bytes bytes;
   if (!Encode(status, &bytes) || writer_->WriteToDds(&bytes) != WriteStatus::kOk) {

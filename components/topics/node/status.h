@@ -33,7 +33,7 @@ class Status {
   // Published at once when the state or the message changes; of changes in quick succession the
   // last one. The first call means that the component is configured: systemd is notified that it is
   // ready.
-  void SetState(Node::State state, const std::string& message);
+  void SetState(Node::State state, const std::string& message, const types::Fault& fault = {});
   // Published at once when it changes, as the state.
   void SetStandby(bool standby);
   void SetCounts(const Node::Counts& counts);
@@ -49,6 +49,7 @@ class Status {
   struct Values {
     Node::State state = Node::State::kConfigured;
     std::string message;
+    types::Fault fault;
     bool standby = false;
     bool configured = false;  // SetState was called
     Node::Counts counts;

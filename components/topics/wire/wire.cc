@@ -137,6 +137,31 @@ std::optional<types::OperatorAction> FromWire(msg::OperatorAction action) noexce
   return std::nullopt;
 }
 
+// The causes stand in both in one order.
+static_assert(static_cast<int>(msg::FAULT_ANOTHER_MASTER) + 1 == types::kFaultCauses);
+
+msg::FaultCause ToWire(types::FaultCause cause) noexcept {
+  return static_cast<msg::FaultCause>(cause);
+}
+
+msg::Fault ToWire(const types::Fault& fault) noexcept {
+  msg::Fault message;
+  message.cause(ToWire(fault.cause));
+  message.joint(static_cast<std::uint8_t>(fault.joint));
+  message.value(fault.value);
+  message.limit(fault.limit);
+  return message;
+}
+
+types::Fault FromWire(const msg::Fault& fault) noexcept {
+  const auto cause = static_cast<std::uint32_t>(fault.cause());
+  const bool known = cause < static_cast<std::uint32_t>(types::kFaultCauses);
+  return {.cause = known ? static_cast<types::FaultCause>(cause) : types::FaultCause::kPlant,
+          .joint = fault.joint(),
+          .value = fault.value(),
+          .limit = fault.limit()};
+}
+
 msg::Header ToWire(const types::MessageHeader& header) noexcept {
   msg::Header message;
   message.session_id(header.session_id);

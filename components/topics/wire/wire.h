@@ -6,6 +6,7 @@
 // Any thread; nothing allocates or throws.
 #pragma once
 
+#include <sinew_idl/fault.h>
 #include <sinew_idl/header.h>
 #include <sinew_idl/joint.h>
 #include <sinew_idl/operator.h>
@@ -14,6 +15,7 @@
 #include <optional>
 
 #include "components/base/types/control_mode.h"
+#include "components/base/types/fault.h"
 #include "components/base/types/joint_kind.h"
 #include "components/base/types/message_header.h"
 #include "components/base/types/motion.h"
@@ -30,6 +32,8 @@ msg::JointKind ToWire(types::JointKind kind) noexcept;
 msg::RegimeKind ToWire(types::Regime regime) noexcept;
 msg::MotionKind ToWire(types::Motion motion) noexcept;
 msg::OperatorAction ToWire(types::OperatorAction action) noexcept;
+msg::FaultCause ToWire(types::FaultCause cause) noexcept;
+msg::Fault ToWire(const types::Fault& fault) noexcept;
 
 types::Origin FromWire(msg::Origin origin) noexcept;          // without a name: kReplay
 types::RobotState FromWire(msg::RobotState state) noexcept;   // without a name: kFault
@@ -37,6 +41,7 @@ types::ControlMode FromWire(msg::CommandMode mode) noexcept;  // without a name:
 types::JointKind FromWire(msg::JointKind kind) noexcept;      // without a name: kRotary
 types::Regime FromWire(msg::RegimeKind regime) noexcept;      // without a name: kUnknown
 types::Motion FromWire(msg::MotionKind motion) noexcept;      // without a name: kNone
+types::Fault FromWire(const msg::Fault& fault) noexcept;      // without a name: kPlant
 // Nothing for a number without a name: no action.
 std::optional<types::OperatorAction> FromWire(msg::OperatorAction action) noexcept;
 

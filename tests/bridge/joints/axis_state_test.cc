@@ -12,6 +12,8 @@
 namespace sinew::bridge {
 namespace {
 
+using types::FaultCause;
+
 using types::ControlMode;
 
 constexpr std::int64_t kTimeout_ns = 1'000 * kMs_ns;
@@ -134,7 +136,7 @@ TEST_F(AxisState, NoClosedLoopWithinTheTimeLimitIsAFault) {
   EXPECT_FALSE(fault.active());
   now_ns += 1;
   ExpectDecision(Step(ControlMode::kTorque), AxisRequest::kNone, false, false);
-  EXPECT_EQ(fault.kind(), FaultKind::kNoClosedLoop);
+  EXPECT_EQ(fault.cause(), FaultCause::kNoClosedLoop);
   ExpectDecision(Step(ControlMode::kTorque), AxisRequest::kIdle, false, false);
   EXPECT_EQ(axis.phase(), AxisPhase::kIdle);
 }
@@ -147,7 +149,7 @@ TEST_F(AxisState, AnActiveAxisThatLeavesClosedLoopWithoutAnErrorIsAFault) {
   EXPECT_FALSE(fault.active()) << "the error is a fault of its own, of the fault rules";
   Heartbeat(can::AxisState::kIdle);
   ExpectDecision(Step(ControlMode::kTorque), AxisRequest::kNone, false, false);
-  EXPECT_EQ(fault.kind(), FaultKind::kNoClosedLoop);
+  EXPECT_EQ(fault.cause(), FaultCause::kNoClosedLoop);
 }
 
 TEST_F(AxisState, AModeThatChangesInClosedLoopRestartsTheSetpoint) {
@@ -162,7 +164,7 @@ TEST_F(AxisState, IdleCommandAndFaultEndTheMotionAtOnce) {
   ExpectDecision(Step(ControlMode::kIdle), AxisRequest::kIdle, false, false);
   EXPECT_EQ(axis.phase(), AxisPhase::kIdle);
   Activate(ControlMode::kTorque);
-  fault.Fail(FaultKind::kEstimatesLost, "why");
+  fault.Fail(FaultCause::kEstimatesLost, "why");
   ExpectDecision(Step(ControlMode::kTorque), AxisRequest::kIdle, false, false);
   EXPECT_EQ(axis.phase(), AxisPhase::kIdle);
   ExpectDecision(Step(ControlMode::kTorque), AxisRequest::kIdle, false, false);
@@ -196,7 +198,7 @@ TEST_F(AxisState, AJointWhoseZeroCheckFailsIsNotArmed) {
   config.zero_check = ZeroCheck{0.04, 0.005};
   measured.output.angle_rad = 0.026;
   ExpectDecision(Step(ControlMode::kTorque), AxisRequest::kNone, false, false);
-  EXPECT_EQ(fault.kind(), FaultKind::kZero);
+  EXPECT_EQ(fault.cause(), FaultCause::kZero);
   EXPECT_EQ(axis.phase(), AxisPhase::kIdle);
 }
 
@@ -225,7 +227,7 @@ TEST_F(AxisState, AnExpiredWatchdogStaysWithAnActiveAxisWithAFaultAndWithOtherEr
   EXPECT_EQ(axis.AssessErrors(now_ns, fault, &measured), ErrorAction::kRequestCodes);
   axis.GoIdle(now_ns);
   axis.ForgetErrors();
-  fault.Fail(FaultKind::kAxisError, "why");
+  fault.Fail(FaultCause::kAxisError, "why");
   EXPECT_EQ(axis.AssessErrors(now_ns, fault, &measured), ErrorAction::kRequestCodes);
 }
 
@@ -263,17 +265,23 @@ TEST(ZeroCheck, HoldsUpToHalfThePlayAndTheTolerance) {
   JointConfig config = Knee();
   JointMeasurement measured(config);
   measured.output.angle_rad = 1.0;
-  EXPECT_FALSE(ZeroCheckFailure(measured)) << "no check is configured";
+  const auto failure = [&] {
+    FaultLatch fault(config);
+    AssessZero(measured, &fault);
+    return fault;
+  };
+  EXPECT_FALSE(failure().active()) << "no check is configured";
   config.zero_check = ZeroCheck{0.04, 0.005};
   for (const double sign : {1.0, -1.0}) {
     measured.output.angle_rad = sign * 0.0249;
-    EXPECT_FALSE(ZeroCheckFailure(measured));
+    EXPECT_FALSE(failure().active());
     measured.output.angle_rad = sign * 0.0251;
-    EXPECT_TRUE(ZeroCheckFailure(measured));
+    EXPECT_EQ(failure().cause(), FaultCause::kZero);
   }
-  EXPECT_EQ(*ZeroCheckFailure(measured),
-            "zero check: the output is at 0.0000 rad by the motor and at -0.0251 rad by its own "
-            "encoder, expected within 0.0250 rad");
+  EXPECT_EQ(
+      failure().text(),
+      "joint 'knee' (node 3): zero check: 0.025 rad, limit 0.025 rad, the output is at 0.0000 "
+      "rad by the motor and at -0.0251 rad by its own encoder: check the zero of both encoders");
 }
 
 }  // namespace

@@ -11,6 +11,8 @@
 namespace sinew::bridge {
 namespace {
 
+using types::FaultCause;
+
 TEST(CanPlant, NoTorqueLeavesBeforeTheAxisSaysClosedLoop) {
   Bench bench;
   bench.Start();
@@ -71,7 +73,7 @@ TEST(CanPlant, AfterAResetAJointGoesOnOnlyThroughArming) {
   bench.Steps(5);
   bench.command.motor_torque_Nm[0] = std::nan("");
   bench.Step();
-  ASSERT_EQ(bench.plant->fault(0), FaultKind::kNotFinite);
+  ASSERT_EQ(bench.plant->fault(0), FaultCause::kNotFinite);
   bench.plant->ClearFault();
   bench.command.motor_torque_Nm[0] = 0.001;
   bool arming = false;
@@ -124,13 +126,13 @@ Bench Displaced(double rev, bool home) {
 TEST(CanPlant, ZeroCheckRefusesToArmAJointWhoseEncodersDisagree) {
   Bench bench = Displaced(0.7, false);
   bench.Start();
-  EXPECT_EQ(bench.plant->fault(0), FaultKind::kZero);
+  EXPECT_EQ(bench.plant->fault(0), FaultCause::kZero);
   EXPECT_NE(bench.sensors.message.find("zero check"), std::string::npos) << bench.sensors.message;
   bench.plant->ClearFault();
   bench.command.mode[0] = ControlMode::kTorque;
   bench.command.motor_torque_Nm[0] = 0.1;
   bench.Steps(60);
-  EXPECT_EQ(bench.plant->fault(0), FaultKind::kZero) << "a reset is no homing";
+  EXPECT_EQ(bench.plant->fault(0), FaultCause::kZero) << "a reset is no homing";
   EXPECT_EQ(bench.axes->axis_state(0), can::AxisState::kIdle);
 }
 
@@ -185,11 +187,11 @@ TEST(CanPlant, AxisThatNeverClosesItsLoopIsAFaultAfterASecondAndGetsNoTorque) {
   command.mode[0] = ControlMode::kTorque;
   command.motor_torque_Nm[0] = 0.001;
   const std::int64_t start_ns = bus.now_ns();
-  while (plant.fault(0) == FaultKind::kNone && bus.now_ns() < 3'000 * kMs_ns) {
+  while (plant.fault(0) == FaultCause::kNone && bus.now_ns() < 3'000 * kMs_ns) {
     plant.Step(command, kPeriod_s, &sensors);
     bus.AdvanceTo(bus.now_ns() + kPeriod_ns);
   }
-  EXPECT_EQ(plant.fault(0), FaultKind::kNoClosedLoop) << sensors.message;
+  EXPECT_EQ(plant.fault(0), FaultCause::kNoClosedLoop) << sensors.message;
   EXPECT_NEAR(1e-9 * static_cast<double>(bus.now_ns() - start_ns), 1.0, 0.02);
 }
 

@@ -11,6 +11,8 @@
 namespace sinew::bridge {
 namespace {
 
+using types::FaultCause;
+
 TEST(CanPlant, NoSetpointLeavesForAnAxisThatHasJustReportedAnError) {
   Bench bench;
   bench.Start();
@@ -43,7 +45,7 @@ TEST(CanPlant, FarOutsideIsAFault) {
     bench.Step();
   }
   bench.Steps(3);
-  EXPECT_EQ(bench.plant->fault(0), FaultKind::kOutOfRange) << bench.sensors.message;
+  EXPECT_EQ(bench.plant->fault(0), FaultCause::kOutOfRange) << bench.sensors.message;
 }
 
 // Another end of the bus that sends `frame` every 4 ms from now on.
@@ -71,8 +73,8 @@ TEST(AnotherMaster, IsAFaultOfTheJointThatItCommandsAndIdlesIt) {
     bench.Arm();
     const auto other = Repeat(&bench, frame);
     bench.Steps(20);
-    EXPECT_EQ(bench.plant->fault(0), FaultKind::kAnotherMaster) << frame.id;
-    EXPECT_EQ(bench.plant->fault(1), FaultKind::kNone) << frame.id;
+    EXPECT_EQ(bench.plant->fault(0), FaultCause::kAnotherMaster) << frame.id;
+    EXPECT_EQ(bench.plant->fault(1), FaultCause::kNone) << frame.id;
     EXPECT_NE(bench.sensors.message.find("another master"), std::string::npos);
     EXPECT_EQ(bench.axes->axis_state(0), can::AxisState::kIdle) << frame.id;
   }
@@ -83,8 +85,8 @@ TEST(AnotherMaster, OfAGatewayIsAFaultOfEveryJointBehindIt) {
   bench.Start();
   const auto other = Repeat(&bench, can::EncodeReferences(Bench::kGatewayNode, {})[0]);
   bench.Steps(5);
-  EXPECT_EQ(bench.plant->fault(0), FaultKind::kAnotherMaster);
-  EXPECT_EQ(bench.plant->fault(1), FaultKind::kAnotherMaster);
+  EXPECT_EQ(bench.plant->fault(0), FaultCause::kAnotherMaster);
+  EXPECT_EQ(bench.plant->fault(1), FaultCause::kAnotherMaster);
 }
 
 TEST(AnotherMaster, OnTheBusBeforeUsGetsNotAFrameFromUs) {
@@ -124,7 +126,7 @@ TEST(CanPlant, AxisErrorIsAFaultWithItsNameAndItsCauseAndClearsByReset) {
   bench.axes->SetAxisError(0, can::axis_error::kOverTemp);
   bench.Steps(40);
   EXPECT_TRUE(bench.faulty());
-  EXPECT_EQ(bench.plant->fault(0), FaultKind::kAxisError);
+  EXPECT_EQ(bench.plant->fault(0), FaultCause::kAxisError);
   EXPECT_NE(bench.sensors.message.find("joint0"), std::string::npos) << bench.sensors.message;
   EXPECT_NE(bench.sensors.message.find("0x40000"), std::string::npos) << bench.sensors.message;
   EXPECT_NE(bench.sensors.message.find("over-temperature"), std::string::npos)
@@ -166,7 +168,7 @@ TEST(CanPlant, SilentAxisIsNotValidAfterTwentyMillisecondsAndAFaultAfterSixty) {
   EXPECT_FALSE(bench.faulty());
   bench.Steps(12);
   EXPECT_TRUE(bench.faulty());
-  EXPECT_EQ(bench.plant->fault(0), FaultKind::kEstimatesLost) << bench.sensors.message;
+  EXPECT_EQ(bench.plant->fault(0), FaultCause::kEstimatesLost) << bench.sensors.message;
   EXPECT_GT(bench.sensors.age_us[0], 60'000);
 }
 
@@ -176,11 +178,11 @@ TEST(CanPlant, BusThatIsOffIsNamedInTheFault) {
   bench.Steps(5);
   // A second node with the bridge's identifiers and other content, until both are bus-off.
   const auto second_node = bench.buses[0]->Join("second_node");
-  for (int i = 0; i < 600 && bench.plant->fault(0) == FaultKind::kNone; ++i) {
+  for (int i = 0; i < 600 && bench.plant->fault(0) == FaultCause::kNone; ++i) {
     (void)second_node->Send(can::Trim(can::Encode(1, can::SetInputTorque{0.5})));
     bench.Step();
   }
-  EXPECT_EQ(bench.plant->fault(0), FaultKind::kEstimatesLost);
+  EXPECT_EQ(bench.plant->fault(0), FaultCause::kEstimatesLost);
   EXPECT_NE(bench.sensors.message.find("bus 'bridge' is bus-off"), std::string::npos)
       << bench.sensors.message;
   EXPECT_FALSE(bench.plant->bus_report()->up[0]);
@@ -194,7 +196,7 @@ TEST(CanPlant, LostHeartbeatIsAFaultEvenWhereEstimatesStillCome) {
   bench.Start();
   bench.Steps(240 * 1);
   EXPECT_TRUE(bench.faulty());
-  EXPECT_EQ(bench.plant->fault(0), FaultKind::kHeartbeatLost) << bench.sensors.message;
+  EXPECT_EQ(bench.plant->fault(0), FaultCause::kHeartbeatLost) << bench.sensors.message;
 }
 
 TEST(CanPlant, JumpOfTheMotorEncoderIsAFaultOfThatJoint) {
@@ -203,8 +205,8 @@ TEST(CanPlant, JumpOfTheMotorEncoderIsAFaultOfThatJoint) {
   bench.Steps(10);
   bench.rotors.angle_rad[1] += 0.5 * types::kTwoPi;
   bench.Steps(3);
-  EXPECT_EQ(bench.plant->fault(1), FaultKind::kEncoderJump) << bench.sensors.message;
-  EXPECT_EQ(bench.plant->fault(0), FaultKind::kNone);
+  EXPECT_EQ(bench.plant->fault(1), FaultCause::kEncoderJump) << bench.sensors.message;
+  EXPECT_EQ(bench.plant->fault(0), FaultCause::kNone);
   EXPECT_TRUE(bench.faulty());
 }
 
@@ -217,9 +219,9 @@ TEST(CanPlant, AJointsFaultIdlesThatJointOnly) {
   bench.axes->SetAxisError(1, can::axis_error::kMotorFailed);
   bench.Steps(60);
   EXPECT_FALSE(bench.sensors.fault);
-  EXPECT_FALSE(bench.sensors.joint_fault[0]);
-  EXPECT_TRUE(bench.sensors.joint_fault[1]);
-  EXPECT_FALSE(bench.sensors.joint_fault[2]);
+  EXPECT_FALSE(bench.sensors.joint_fault[0].active());
+  EXPECT_TRUE(bench.sensors.joint_fault[1].active());
+  EXPECT_FALSE(bench.sensors.joint_fault[2].active());
   EXPECT_EQ(bench.axes->axis_state(0), can::AxisState::kClosedLoopControl);
   EXPECT_EQ(bench.axes->input_torque_Nm(1), 0.0);
   EXPECT_NEAR(bench.axes->input_torque_Nm(2), 0.001 * (8.27 / 600) / 0.0159155, 1e-6);
@@ -230,7 +232,7 @@ TEST(CanPlant, HotMotorIsAFault) {
   bench.Start();
   bench.rotors.temperature_degC[0] = 91.0;
   bench.Steps(5);
-  EXPECT_EQ(bench.plant->fault(0), FaultKind::kOverTemperature);
+  EXPECT_EQ(bench.plant->fault(0), FaultCause::kOverTemperature);
 }
 
 TEST(CanPlant, CommandThatIsNotFiniteIsAFaultAndMovesNothing) {
@@ -239,7 +241,7 @@ TEST(CanPlant, CommandThatIsNotFiniteIsAFaultAndMovesNothing) {
   bench.Arm();
   bench.command.motor_torque_Nm[0] = std::nan("");
   bench.Steps(3);
-  EXPECT_EQ(bench.plant->fault(0), FaultKind::kNotFinite);
+  EXPECT_EQ(bench.plant->fault(0), FaultCause::kNotFinite);
   EXPECT_EQ(bench.rotors.torque_Nm[0], 0.0);
 }
 

@@ -16,6 +16,8 @@
 namespace sinew::bridge {
 namespace {
 
+using types::FaultCause;
+
 using virtual_axes::EncoderFault;
 using virtual_axes::EncoderFaultKind;
 
@@ -34,7 +36,7 @@ struct Planted {
   const char* name;
   bool output = true;  // else the motor's encoder
   EncoderFault fault;
-  FaultKind found;
+  FaultCause found;
   double latest_s;  // from the begin of the fault, while the joint moves at about 1 rad/s
 };
 
@@ -61,7 +63,8 @@ TEST_P(PlantedFault, IsFoundByItsOwnNameInTime) {
   int cycles = 0;
   for (; cycles < 2400 && !bench.faulty(); ++cycles) stroke(240 + 120 + cycles);
   ASSERT_TRUE(bench.faulty());
-  EXPECT_STREQ(FaultName(bench.plant->fault(0)), FaultName(planted.found)) << bench.sensors.message;
+  EXPECT_EQ(types::TermsOf(bench.plant->fault(0)).name, types::TermsOf(planted.found).name)
+      << bench.sensors.message;
   EXPECT_LE(cycles * kPeriod_s, planted.latest_s);
   RecordProperty("detection_ms", std::to_string(1e3 * cycles * kPeriod_s));
   bench.Steps(30);
@@ -73,37 +76,37 @@ TEST_P(PlantedFault, IsFoundByItsOwnNameInTime) {
 INSTANTIATE_TEST_SUITE_P(
     All, PlantedFault,
     testing::Values(
-        Planted{"OutputFrozen", true, {EncoderFaultKind::kFrozen}, FaultKind::kEncoderFrozen, 0.2},
-        Planted{"MotorFrozen", false, {EncoderFaultKind::kFrozen}, FaultKind::kEncoderFrozen, 0.2},
+        Planted{"OutputFrozen", true, {EncoderFaultKind::kFrozen}, FaultCause::kEncoderFrozen, 0.2},
+        Planted{"MotorFrozen", false, {EncoderFaultKind::kFrozen}, FaultCause::kEncoderFrozen, 0.2},
         Planted{"OutputSlipped",
                 true,
                 {EncoderFaultKind::kOffset, 0.0, 0.1},
-                FaultKind::kEncoderSlipped,
+                FaultCause::kEncoderSlipped,
                 0.2},
         Planted{"MotorSlipped",
                 false,
                 {EncoderFaultKind::kOffset, 0.0, -2.0},
-                FaultKind::kEncoderJump,
+                FaultCause::kEncoderJump,
                 0.05},
         Planted{"OutputJumped",
                 true,
                 {EncoderFaultKind::kOffset, 0.0, 0.5},
-                FaultKind::kOutputJump,
+                FaultCause::kOutputJump,
                 0.05},
         Planted{"OutputReversed",
                 true,
                 {EncoderFaultKind::kScaled, 0.0, -2.0},
-                FaultKind::kEncodersDisagree,
+                FaultCause::kEncodersDisagree,
                 0.3},
         Planted{"OutputScaled",
                 true,
                 {EncoderFaultKind::kScaled, 0.0, 0.5},
-                FaultKind::kEncodersDisagree,
+                FaultCause::kEncodersDisagree,
                 1.0},
         Planted{"MotorScaled",
                 false,
                 {EncoderFaultKind::kScaled, 0.0, 0.5},
-                FaultKind::kEncodersDisagree,
+                FaultCause::kEncodersDisagree,
                 1.0}),
     [](const auto& instance) { return std::string(instance.param.name); });
 
@@ -154,7 +157,7 @@ TEST(EncoderWatch, AJointThatWasIdleBeginsAnew) {
 // A rig until something ends it: cycles that it ran, and the fault of its joint.
 struct Episode {
   long cycles = 0;
-  FaultKind ended_by = FaultKind::kNone;
+  FaultCause ended_by = FaultCause::kNone;
   std::string message;
   double fastest_rad_s = 0.0;
 };
@@ -202,8 +205,9 @@ TEST(EncoderWatch, AHealthyRigIsNeverFoundFaulty) {
   int episodes = 0;
   for (long done = 0; done < cycles; ++episodes) {
     const Episode episode = RunHealthy(static_cast<std::uint32_t>(episodes + 1), cycles - done);
-    ASSERT_TRUE(episode.ended_by == FaultKind::kNone || episode.ended_by == FaultKind::kAxisError ||
-                episode.ended_by == FaultKind::kOverspeed)
+    ASSERT_TRUE(episode.ended_by == FaultCause::kNone ||
+                episode.ended_by == FaultCause::kAxisError ||
+                episode.ended_by == FaultCause::kOverspeed)
         << "episode " << episodes << ", after " << static_cast<double>(episode.cycles) * kPeriod_s
         << " s: " << episode.message;
     done += episode.cycles;

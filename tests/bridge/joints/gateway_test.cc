@@ -12,6 +12,8 @@
 namespace sinew::bridge {
 namespace {
 
+using types::FaultCause;
+
 // Half a step of 0.01 motor turns.
 constexpr double kRounding_rad = 0.005 * types::kTwoPi;
 
@@ -189,7 +191,7 @@ TEST(Gateway, ASilentGatewayIsAFaultOfEveryJointBehindIt) {
       bench.axes_config, bench.rotors, std::vector<can::Transport*>{bench.ends.back().get()});
   bench.axes->Start(bench.buses[0]->now_ns());
   bench.Steps(40);
-  for (int j = 0; j < 12; ++j) EXPECT_EQ(bench.plant->fault(j), FaultKind::kEstimatesLost) << j;
+  for (int j = 0; j < 12; ++j) EXPECT_EQ(bench.plant->fault(j), FaultCause::kEstimatesLost) << j;
 }
 
 TEST(Gateway, APositionBeyondTheFieldIsAFaultNotAWrongAngle) {
@@ -197,8 +199,8 @@ TEST(Gateway, APositionBeyondTheFieldIsAFaultNotAWrongAngle) {
   bench.config.joints[3].limits.upper_rad = bench.config.joints[3].limits.lower_rad + 1000.0;
   bench.rotors.angle_rad[3] = 328.0 * types::kTwoPi;
   bench.Start();
-  EXPECT_EQ(bench.plant->fault(3), FaultKind::kOutOfRange) << bench.sensors.message;
-  EXPECT_EQ(bench.plant->fault(2), FaultKind::kNone);
+  EXPECT_EQ(bench.plant->fault(3), FaultCause::kOutOfRange) << bench.sensors.message;
+  EXPECT_EQ(bench.plant->fault(2), FaultCause::kNone);
 }
 
 TEST(Gateway, AReferenceBeyondTheFieldIsAFaultAndMovesNothing) {
@@ -212,7 +214,7 @@ TEST(Gateway, AReferenceBeyondTheFieldIsAFaultAndMovesNothing) {
   ASSERT_FALSE(bench.faulty()) << bench.sensors.message;
   bench.command.position_rad[3] = 330.0 * types::kTwoPi / 100.0;
   bench.Steps(3);
-  EXPECT_EQ(bench.plant->fault(3), FaultKind::kOutOfRange) << bench.sensors.message;
+  EXPECT_EQ(bench.plant->fault(3), FaultCause::kOutOfRange) << bench.sensors.message;
   bench.Steps(50);
   EXPECT_EQ(bench.axes->axis_state(3), can::AxisState::kIdle);
   EXPECT_LT(bench.rotors.angle_rad[3], 328.0 * types::kTwoPi);

@@ -1,6 +1,7 @@
 // Frames of a joint's nodes to its measurement: conventions, jumps, frames that cannot be read.
 #include "bridge/joints/joint_measurement.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -13,6 +14,9 @@
 
 namespace sinew::bridge {
 namespace {
+
+using ::testing::HasSubstr;
+using types::FaultCause;
 
 JointConfig Joint(int direction = 1, bool output = true) {
   JointConfig joint = Knee();
@@ -182,12 +186,12 @@ TEST(JointMeasurement, ErrorCodesAreAppendedToTheAxisError) {
   const JointConfig config = Joint();
   JointMeasurement m(config);
   FaultLatch fault(config);
-  fault.Fail(FaultKind::kAxisError, "axis error 0x40");
+  fault.Fail(FaultCause::kAxisError, "0x40");
   EXPECT_EQ(m.TakeFromAxis(At(1, can::MotorError{0x10}), &fault), Taken::kStored);
   EXPECT_EQ(m.TakeFromAxis(At(1, can::EncoderError{0x4}), &fault), Taken::kStored);
   EXPECT_EQ(m.TakeFromAxis(At(1, can::ControllerError{0x2}), &fault), Taken::kStored);
-  EXPECT_EQ(fault.text(),
-            "joint 'knee' (node 3): axis error 0x40, motor 0x10, encoder 0x4, controller 0x2");
+  EXPECT_THAT(fault.text(),
+              HasSubstr("axis error: 0x40, motor 0x10, encoder 0x4, controller 0x2: "));
 }
 
 // 1.5 * 2 rad/s * 100 / 2 pi = 47.7 rev/s: 0.19 in 4 ms, and a quarter.
@@ -199,11 +203,10 @@ TEST(JointMeasurement, AJumpOfTheEstimatesIsAFault) {
     m.TakeEstimates({9.0, 0.0}, 1'000 * kMs_ns, &fault);
     EXPECT_FALSE(fault.active()) << "the first may be anywhere";
     m.TakeEstimates({9.0 + step_rev, 0.0}, 1'004 * kMs_ns, &fault);
-    EXPECT_EQ(fault.kind() == FaultKind::kEncoderJump, jump) << step_rev;
+    EXPECT_EQ(fault.cause() == FaultCause::kEncoderJump, jump) << step_rev;
     EXPECT_EQ(m.estimates.position_rev, 9.0 + step_rev) << "stored all the same";
     if (jump) {
-      EXPECT_EQ(fault.text(),
-                "joint 'knee' (node 3): the motor encoder jumped by 0.45 revolutions in 4.0 ms");
+      EXPECT_THAT(fault.text(), HasSubstr("motor encoder jump: 0.45 rev, limit 0.44 rev: look"));
     }
   }
 }
@@ -216,7 +219,7 @@ TEST(JointMeasurement, AFastMotorMayHaveWaitedForTheBus) {
   m.TakeEstimates({0.84, 60.0}, 1'000 * kMs_ns, &fault);  // 60 rev/s * 10 ms, and a quarter
   EXPECT_FALSE(fault.active()) << fault.text();
   m.TakeEstimates({1.70, 60.0}, 1'000 * kMs_ns, &fault);
-  EXPECT_EQ(fault.kind(), FaultKind::kEncoderJump);
+  EXPECT_EQ(fault.cause(), FaultCause::kEncoderJump);
 }
 
 TEST(JointMeasurement, AnInvalidOutputAngleKeepsTheLastOneAndTakesTheRelays) {
@@ -246,7 +249,8 @@ TEST(JointMeasurement, AnOutputAngleThatStepsFurtherThanTheJointCanTurnIsAJump) 
     FaultLatch fault(config);
     (void)m.TakeFromNode(Output(1 * kMs_ns, 0.5, 1, true), &fault);
     (void)m.TakeFromNode(Output(5 * kMs_ns, 0.5 + step_rad, 2, true), &fault);
-    EXPECT_EQ(fault.kind(), std::abs(step_rad) > 0.0935 ? FaultKind::kOutputJump : FaultKind::kNone)
+    EXPECT_EQ(fault.cause(),
+              std::abs(step_rad) > 0.0935 ? FaultCause::kOutputJump : FaultCause::kNone)
         << step_rad << " rad: " << fault.text();
   }
 }

@@ -149,6 +149,19 @@ function onMessage(topic, view) {
   figures.message_ms += performance.now() - begin;
 }
 
+function waiting() {
+  const others = (status?.participants ?? []).map(participant => participant.name).join(', ');
+  return `waiting for a state provider in domain ${info.domain}; heard: ${others || 'nobody'}`;
+}
+
+const hasFault = state => (state?.fault?.cause ?? 'FAULT_NONE') !== 'FAULT_NONE';
+
+// Of a recording, where nobody says what to do.
+function faultOf({ fault }) {
+  const numbers = fault.value === fault.limit ? '' : `: ${+fault.value.toPrecision(4)}, limit ${+fault.limit.toPrecision(4)}`;
+  return `${fault.joint === 255 ? '' : `joint ${fault.joint}: `}${fault.cause.replace('FAULT_', '').replaceAll('_', ' ').toLowerCase()}${numbers}`;
+}
+
 function showState() {
   const state = topics.newest('joint_state');
   const live = !recording;
@@ -157,6 +170,8 @@ function showState() {
   put('robot_state', word);
   if ($('robot_state').className !== `badge ${word}`) $('robot_state').className = `badge ${word}`;
   const parts = [];
+  if (fresh && hasFault(state)) parts.push(live && status.fault ? status.fault : faultOf(state));
+  if (live && !fresh && connected === 'connected') parts.push(waiting());
   if (state) parts.push(`tick ${state.header.tick}`, state.header.origin.replace('ORIGIN_', '').toLowerCase());
   if (live && topics.lost > 0) parts.push(`${topics.lost} ticks missing`);
   if (live && topics.sessions > 1) parts.push(`${topics.sessions} sessions`);

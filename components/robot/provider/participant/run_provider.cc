@@ -9,9 +9,9 @@
 #include <string_view>
 
 #include "components/base/types/clock/clock.h"
+#include "components/base/types/fault.h"
 #include "components/robot/estop/watch.h"
 #include "components/robot/provider/cycle_deadline.h"
-#include "components/robot/provider/fault.h"
 #include "components/robot/provider/participant/awaited_topics.h"
 #include "components/robot/provider/participant/command_readers.h"
 #include "components/robot/provider/participant/cycle_sleep.h"
@@ -93,6 +93,14 @@ CycleConfig MakeCycleConfig(const node::Options& node_options, const ProviderOpt
 const char* Name(RobotState state) {
   static constexpr const char* kNames[] = {"disarmed", "armed", "damped", "fault", "estopped"};
   return kNames[static_cast<int>(state)];
+}
+
+// What the plant or the fall guard says of its own faults, joints' included; of others what is
+// known here, and then the former.
+std::string Message(const types::Fault& fault, std::string_view own) {
+  if (own.empty()) return types::FaultText(fault);
+  const bool is_own = !fault.active() || fault.cause >= types::FaultCause::kFall;
+  return (is_own ? "" : types::FaultText(fault) + "; ") + std::string(own);
 }
 
 class Provider {
@@ -190,7 +198,7 @@ class Provider {
       case OperatorResult::kRefusedByFallGuard:
         return cycle_.FallRefusal();
       case OperatorResult::kRefusedByCommand:
-        return TextOf(cycle_.CommandFault(), "");
+        return types::FaultText(cycle_.CommandFault());
       case OperatorResult::kRefusedByEstop:
         return watch_->Problem(MonotonicNow_ns());
       default:
@@ -249,7 +257,8 @@ class Provider {
     readers_.PublishSource(header);
     node_.SetCycle(header.session_id, header.tick, header.stamp_ns,
                    static_cast<int>(wire::ToWire(header.origin)));
-    publisher_.Publish(header, cycle_.state(), cycle_.last(tick_), cycle_.period_s(), sensors_);
+    publisher_.Publish(header, cycle_.state(), cycle_.fault(), cycle_.last(tick_),
+                       cycle_.period_s(), sensors_);
   }
 
   // Sleeps until the cycle's deadline. A plant that acts at once gets its command before that; the
@@ -313,12 +322,12 @@ class Provider {
     if (state != reported_state_ || own != reported_own_) {
       reported_state_ = state;
       reported_own_ = own;
-      const std::string message = TextOf(cycle_.fault(), own);
+      const std::string message = Message(cycle_.fault(), own);
       spdlog::info("tick {}: {}{}{}", tick_, Name(state), message.empty() ? "" : ": ", message);
       node_.SetState(state == RobotState::kFault || state == RobotState::kEstopped
                          ? node::Node::State::kFault
                          : node::Node::State::kActive,
-                     message.empty() ? Name(state) : message);
+                     message.empty() ? Name(state) : message, cycle_.fault());
     }
     if (cycle_.upright() != reported_upright_) {
       reported_upright_ = !reported_upright_;

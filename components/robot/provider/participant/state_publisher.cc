@@ -32,7 +32,8 @@ StatePublisher::StatePublisher(node::Node& node, const Plant& plant)
 }
 
 void StatePublisher::Publish(const types::MessageHeader& header, types::RobotState state,
-                             bool last_tick, double period_s, const PlantSensors& sensors) {
+                             const types::Fault& fault, bool last_tick, double period_s,
+                             const PlantSensors& sensors) {
   const msg::Header head = wire::ToWire(header);
   FillActuatorState(head, sensors);
   Count(actuator_state_.Write(actuators_));
@@ -42,6 +43,7 @@ void StatePublisher::Publish(const types::MessageHeader& header, types::RobotSta
   }
   if (sim_body_truth_) Count(sim_body_truth_->Write(ToMessage(head, *simulated_->body_truth())));
   joints_.robot_state(wire::ToWire(state));
+  joints_.fault(wire::ToWire(fault));
   joints_.last_tick(last_tick);
   joints_.period_s(period_s);
   joints_.measured_period_s(
@@ -60,6 +62,9 @@ void StatePublisher::FillJointState(const msg::Header& header, const PlantSensor
   joints_.torque_Nm(sensors.torque_Nm);
   joints_.age_us(sensors.age_us);
   joints_.valid(sensors.valid);
+  for (std::size_t j = 0; j < sensors.joint_fault.size(); ++j) {
+    joints_.joint_fault()[j] = wire::ToWire(sensors.joint_fault[j].cause);
+  }
 }
 
 void StatePublisher::FillActuatorState(const msg::Header& header, const PlantSensors& sensors) {

@@ -28,8 +28,9 @@ class StatePublisher {
 
   // joint_state goes out after actuator_state, the body's sensors and the truth: it is the trigger
   // of every participant's loop.
-  void Publish(const types::MessageHeader& header, types::RobotState state, bool last_tick,
-               double period_s, const PlantSensors& sensors);
+  void Publish(const types::MessageHeader& header, types::RobotState state,
+               const types::Fault& fault, bool last_tick, double period_s,
+               const PlantSensors& sensors);
 
   // Monotonic time at the last write of joint_state.
   std::int64_t written_ns() const { return written_ns_; }

@@ -13,6 +13,8 @@
 namespace sinew::provider {
 namespace {
 
+using types::FaultCause;
+
 using types::ControlMode;
 using types::OperatorAction;
 using types::Origin;
@@ -173,7 +175,7 @@ TEST(ProviderCycle, AControllerThatNamesItsJointsOtherwiseIsNotObeyedAndLetsNobo
   EXPECT_FALSE(cycle.Take(other, 0));
   EXPECT_EQ(Order(&cycle, OperatorAction::kArm), OperatorResult::kRefusedByCommand);
   EXPECT_EQ(cycle.CommandFault().cause, FaultCause::kCommandNames);
-  EXPECT_EQ(cycle.CommandFault().value, 1.0);
+  EXPECT_EQ(cycle.CommandFault().joint, 1);
   EXPECT_TRUE(cycle.Take(Torques(1, 0.01, 0.02), 1));
   EXPECT_EQ(Order(&cycle, OperatorAction::kArm, 1), OperatorResult::kDone);
   other.header.tick = 2;
@@ -290,7 +292,7 @@ TEST(ProviderCycle, ACommandThatIsNotFiniteIdlesAllJointsAtOnceAndIsAFault) {
         }
         EXPECT_EQ(cycle.state(), RobotState::kFault);
         EXPECT_EQ(cycle.fault().cause, FaultCause::kCommandNotFinite);
-        EXPECT_EQ(cycle.fault().value, static_cast<double>(bad));
+        EXPECT_EQ(cycle.fault().joint, static_cast<int>(bad));
         EXPECT_EQ(Modes(&cycle, 2), kIdle);
       }
     }
@@ -510,7 +512,7 @@ AfterJointFault After(OtherJointsPolicy policy) {
   EXPECT_TRUE(cycle.Take(Torques(1, 0.01, 0.01), 1));
   EXPECT_EQ(Modes(&cycle, 1), kTorque);
   PlantSensors sensors;
-  sensors.joint_fault[0] = true;
+  sensors.joint_fault[0] = {FaultCause::kOverspeed};
   sensors.position_rad[1] = 0.4;
   EXPECT_EQ(cycle.Observe(sensors), FaultChange::kJoint);
   EXPECT_EQ(cycle.Observe(sensors), FaultChange::kNone) << "reported once";
@@ -537,10 +539,10 @@ TEST(ProviderCycle, AJointWithAFaultIdlesAndTheOthersFollowTheirPolicy) {
 TEST(ProviderCycle, FaultsOfAllJointsAreTheRobotsWhateverThePolicy) {
   ProviderCycle cycle = ArmedCycle({.on_joint_fault = OtherJointsPolicy::kContinue});
   PlantSensors sensors;
-  sensors.joint_fault[0] = true;
+  sensors.joint_fault[0] = {FaultCause::kOverspeed};
   EXPECT_EQ(cycle.Observe(sensors), FaultChange::kJoint);
   EXPECT_EQ(cycle.state(), RobotState::kArmed);
-  sensors.joint_fault[1] = true;
+  sensors.joint_fault[1] = {FaultCause::kOverspeed};
   EXPECT_EQ(cycle.Observe(sensors), FaultChange::kRobot);
   EXPECT_EQ(cycle.state(), RobotState::kFault);
 }
@@ -548,7 +550,7 @@ TEST(ProviderCycle, FaultsOfAllJointsAreTheRobotsWhateverThePolicy) {
 TEST(ProviderCycle, AJointsFaultThatReturnsAfterAResetIsReportedAgain) {
   ProviderCycle cycle(Config());
   PlantSensors sensors;
-  sensors.joint_fault[1] = true;
+  sensors.joint_fault[1] = {FaultCause::kOverspeed};
   EXPECT_EQ(cycle.Observe(sensors), FaultChange::kJoint);
   EXPECT_EQ(Order(&cycle, OperatorAction::kReset), OperatorResult::kClearFaults);
   EXPECT_EQ(cycle.Observe(sensors), FaultChange::kJoint);
@@ -557,7 +559,7 @@ TEST(ProviderCycle, AJointsFaultThatReturnsAfterAResetIsReportedAgain) {
 TEST(ProviderCycle, JointsBeyondTheRobotsDoNotCount) {
   ProviderCycle cycle = ArmedCycle();
   PlantSensors sensors;
-  sensors.joint_fault[kCycleJoints] = true;
+  sensors.joint_fault[kCycleJoints] = {FaultCause::kOverspeed};
   EXPECT_EQ(cycle.Observe(sensors), FaultChange::kNone);
   JointSetpoints sent = Torques(1, 0.01, 0.01);
   sent.motor_torque_Nm[kCycleJoints] = kNaN;

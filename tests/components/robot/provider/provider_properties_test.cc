@@ -62,8 +62,12 @@ class Sequence {
       if (::testing::Test::HasFatalFailure()) return;
       for (int j = 0; j < kJoints; ++j) {
         auto& fault = sensors.joint_fault[static_cast<std::size_t>(j)];
-        fault = fault ? !Chance(10) : Chance(60);
-        joint_failed_ = joint_failed_ || fault;
+        if (fault.active() ? !Chance(10) : Chance(60)) {
+          fault.cause = types::FaultCause::kOverspeed;
+        } else {
+          fault = {};
+        }
+        joint_failed_ = joint_failed_ || fault.active();
       }
       sensors.fault = Chance(60);
       (void)cycle.Observe(sensors);
@@ -178,7 +182,7 @@ class Sequence {
       ASSERT_TRUE(std::isfinite(command.motor_torque_Nm[j]));
       ASSERT_TRUE(std::isfinite(command.position_rad[j]));
       const bool idle = command.mode[j] == ControlMode::kIdle;
-      if (sensors.joint_fault[j]) {
+      if (sensors.joint_fault[j].active()) {
         ASSERT_TRUE(idle) << "a joint with a fault";
       }
       if (!types::MayMove(state) && !others_may_act) {

@@ -41,6 +41,20 @@ TEST(Wire, NumbersAreThoseOfTheIdlAndTranslateBothWays) {
                                           OperatorAction::kStart, OperatorAction::kStop});
 }
 
+TEST(Wire, CausesOfFaultsStandInOneOrder) {
+  using types::FaultCause;
+  EXPECT_EQ(ToWire(FaultCause::kNone), msg::FAULT_NONE);
+  EXPECT_EQ(ToWire(FaultCause::kCommandMissing), msg::FAULT_COMMAND_MISSING);
+  EXPECT_EQ(ToWire(FaultCause::kCommandNotFinite), msg::FAULT_COMMAND_NOT_FINITE);
+  EXPECT_EQ(ToWire(FaultCause::kPlant), msg::FAULT_PLANT);
+  EXPECT_EQ(ToWire(FaultCause::kEstimatesLost), msg::FAULT_ESTIMATES_LOST);
+  EXPECT_EQ(ToWire(FaultCause::kOverspeed), msg::FAULT_OVERSPEED);
+  EXPECT_EQ(ToWire(FaultCause::kZero), msg::FAULT_ZERO);
+  EXPECT_EQ(ToWire(FaultCause::kEncoderFrozen), msg::FAULT_ENCODER_FROZEN);
+  const types::Fault fault{FaultCause::kAnotherMaster, 3, 1.5, 1.0};
+  EXPECT_EQ(FromWire(ToWire(fault)), fault);
+}
+
 TEST(Wire, ANumberWithoutANameLetsTheRobotDoLeast) {
   EXPECT_EQ(FromWire(static_cast<msg::Origin>(7)), types::Origin::kReplay) << "never live";
   EXPECT_EQ(FromWire(static_cast<msg::RobotState>(7)), types::RobotState::kFault);
@@ -49,6 +63,9 @@ TEST(Wire, ANumberWithoutANameLetsTheRobotDoLeast) {
   EXPECT_EQ(FromWire(static_cast<msg::RegimeKind>(7)), types::Regime::kUnknown);
   EXPECT_EQ(FromWire(static_cast<msg::MotionKind>(7)), types::Motion::kNone);
   EXPECT_EQ(FromWire(static_cast<msg::OperatorAction>(70)), std::nullopt);
+  msg::Fault fault;
+  fault.cause(static_cast<msg::FaultCause>(70));
+  EXPECT_EQ(FromWire(fault).cause, types::FaultCause::kPlant) << "a fault all the same";
 }
 
 TEST(Wire, StatesOfAComponentHaveNames) {
