@@ -9,7 +9,7 @@ namespace {
 
 using types::FaultCause;
 
-// Of what is silent for longer than its limit: milliseconds.
+// Silence beyond its limit, in milliseconds.
 std::optional<Excess> Silence(const FaultInput& in, std::int64_t stamp_ns, double limit_s) {
   const double silent_s = 1e-9 * static_cast<double>(in.now_ns - stamp_ns);
   if (in.now_ns - stamp_ns <= ToNs(limit_s)) return std::nullopt;

@@ -625,9 +625,17 @@ class Desk {
   void Start(Part* part) {
     const std::string program =
         std::filesystem::path(kSinew).parent_path() / ("sinew-" + part->kind);
-    part->process = std::make_unique<Program>(robot_->hosts().On(
-        host_, {program, "--name", part->kind + std::to_string(host_), "--domain",
-                std::to_string(kDomain), "--interface", "wire0", "--config", kRig + part->config}));
+    std::vector<std::string> line = {program,
+                                     "--name",
+                                     part->kind + std::to_string(host_),
+                                     "--domain",
+                                     std::to_string(kDomain),
+                                     "--interface",
+                                     "wire0",
+                                     "--config",
+                                     kRig + part->config};
+    if (MayBecomeRealtime()) line.push_back("--realtime");
+    part->process = std::make_unique<Program>(robot_->hosts().On(host_, line));
   }
 
   Robot* robot_;

@@ -228,7 +228,7 @@ std::string ReadmeText(const Guess& guess, const Answers& answers, const std::st
           "                 # faults of the data first\n"
           "sinew close-loop --model model.yaml --map csv_map.yaml --train " +
           recording + "@:60 --held-out " + recording +
-          "@60: --out result   # 60 s to fit, the rest to judge; better another recording\n```\n\n";
+          "@60: --out result   # 60 s to fit, the rest to check; better another recording\n```\n\n";
   text += answers.hanging ? "A hanging link is at -90 degrees in the model: gravity is `-m g l cos "
                             "q`. The offset of the angle in\n"
                             "`csv_map.yaml` comes from the reading at which it hangs.\n"

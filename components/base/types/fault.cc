@@ -14,10 +14,10 @@ constexpr std::string_view kLookAtEncoders =
 
 constexpr std::array<FaultTerms, kFaultCauses> kTerms = {{
     {FaultCause::kNone, "none", "", 0, ""},
-    {FaultCause::kCommandMissing, "joint_command missing", "ms", 0,
+    {FaultCause::kCommandMissing, "joint_command missing", "ms", 1,
      "is the controller alive ('sinew list'), is this host fit for real time ('sinew doctor')?",
      " for "},
-    {FaultCause::kCycleLate, "this provider's cycle began late", "ms", 0,
+    {FaultCause::kCycleLate, "this provider's cycle began late", "ms", 1,
      "see 'sinew doctor' for what keeps a process from its times"},
     {FaultCause::kCommandNotFinite, "joint_command is not a finite number", "", 0,
      "the controller's log says why"},
@@ -29,14 +29,14 @@ constexpr std::array<FaultTerms, kFaultCauses> kTerms = {{
     {FaultCause::kPlant, "the plant failed", "", 0, "its log says more"},
     {FaultCause::kAxisError, "axis error", "", 0,
      "when its cause is gone, 'sinew reset' clears it"},
-    {FaultCause::kHeartbeatLost, "no heartbeat", "ms", 0, kPowerAndBus, " for "},
-    {FaultCause::kEstimatesLost, "no encoder estimates", "ms", 0, kPowerAndBus, " for "},
-    {FaultCause::kNodeLost, "nothing from the sensor node", "ms", 0, kPowerAndBus, " for "},
+    {FaultCause::kHeartbeatLost, "no heartbeat", "ms", 1, kPowerAndBus, " for "},
+    {FaultCause::kEstimatesLost, "no encoder estimates", "ms", 1, kPowerAndBus, " for "},
+    {FaultCause::kNodeLost, "nothing from the sensor node", "ms", 1, kPowerAndBus, " for "},
     {FaultCause::kEncoderJump, "motor encoder jump", "rev", 2, kLookAtEncoders},
     {FaultCause::kOverTemperature, "motor too hot", "degC", 1, "let it cool down"},
     {FaultCause::kOverspeed, "too fast", "rad/s", 2, "look for what drove it"},
     {FaultCause::kOutOfRange, "out of range", "rad", 3, "move it back by hand"},
-    {FaultCause::kNoClosedLoop, "no closed-loop control", "ms", 0,
+    {FaultCause::kNoClosedLoop, "no closed-loop control", "ms", 1,
      "see the drive's errors and its calibration"},
     {FaultCause::kZero, "zero check", "rad", 3, "check the zero of both encoders"},
     {FaultCause::kNotFinite, "a command that is not finite", "", 0,
@@ -51,8 +51,11 @@ constexpr std::array<FaultTerms, kFaultCauses> kTerms = {{
 
 std::string Number(double value, const FaultTerms& terms) {
   char text[48];
-  std::snprintf(text, sizeof text, "%.*f ", terms.decimals, value);
-  return text + std::string(terms.unit);
+  std::snprintf(text, sizeof text, "%.*f", terms.decimals, value);
+  std::string out = text;
+  if (terms.decimals > 0) out.erase(out.find_last_not_of('0') + 1);
+  if (out.ends_with('.')) out.pop_back();
+  return out + " " + std::string(terms.unit);
 }
 
 }  // namespace

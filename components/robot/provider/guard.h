@@ -34,7 +34,7 @@ struct FallGuardConfig;  // fall_guard.h
 // Relays of a robot in FAULT or ESTOPPED: all off, which keeps the pressure, or its air let out.
 enum class ValvesInFault { kHold, kVent };
 
-// Of a fault's value and limit.
+// As a fault's value and limit have it.
 constexpr double Milliseconds(std::chrono::nanoseconds time) {
   return 1e-6 * static_cast<double>(time.count());
 }

@@ -128,7 +128,7 @@ TEST_F(Rules, AnActiveJointOutsideItsRangeByMoreThanTheMargin) {
   }
   (void)Assess();
   EXPECT_THAT(fault.text(),
-              StartsWith("joint 'knee' (node 3): out of range: -1.210 rad, limit -1.200 rad: "));
+              StartsWith("joint 'knee' (node 3): out of range: -1.21 rad, limit -1.2 rad: "));
 }
 
 TEST_F(Rules, TheFirstOfTheTableIsTheCause) {
