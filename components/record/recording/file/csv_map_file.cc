@@ -13,10 +13,11 @@ static void Describe(config::Fields& f, ColumnMap& c, const std::string& path, Q
   f("columns", columns, "a sum in its place: {COLUMN: FACTOR, ...}");
   if (may_be_constant) f("constant", c.constant, "added, or alone");
   f("times", c.times, "columns that the cell is multiplied by");
-  f.Need("unit", unit, "of the column (docs/formats.md)");
+  f("unit", unit, "of the column (docs/formats.md); needed with one");
   f("scale", c.scale, "SI value = sign * (scale * cell in SI + offset)");
   f("offset", c.offset, "in SI");
   if (!f.reads()) return;
+  if (unit.empty()) unit = f.section().Text("unit");
   const auto found = FindUnit(quantity, unit);
   if (!found) {
     f.Fail("unit", "unit '" + unit + "', expected one of: " + AcceptedUnits(quantity));

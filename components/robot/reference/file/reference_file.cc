@@ -253,7 +253,8 @@ void Describe(config::Fields& f, LoadedReference& loaded) {
   }
   if (f.reads() && squat) return;
   const auto joint = [&](config::Fields& g) { DescribeJoint(g, &loaded); };
-  f.NeedList("joints", {1, types::kMaxJoints}, "one a joint, in the order of the topics", joint);
+  f.List("joints", {1, types::kMaxJoints}, "one a joint, in the order of the topics", joint);
+  f.Require(!loaded.config.joints.empty(), "joints", "missing, expected a list of mappings");
 }
 
 LoadedReference LoadReference(const std::filesystem::path& path) {
