@@ -33,7 +33,7 @@ const std::array<Group, 5>& Groups() {
         "attachments"}},
       {"Commands to model",
        {"check-data", "close-loop", "verify", "effects", "model", "train", "tune", "experiment",
-        "export-model"}},
+        "export-model", "schema"}},
       {"Commands to reproduce what was published",
        {"paper", "tables", "control-test", "squat-test", "compare", "search"}},
   }};
