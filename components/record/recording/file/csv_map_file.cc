@@ -3,14 +3,32 @@
 #include "components/base/types/joined.h"
 
 namespace sinew::recording {
+// A sum in place of a column; its line, 0: there is none.
+static int DescribeSum(config::Fields& f, std::vector<Summand>* sum) {
+  config::Numbers factors;
+  if (!f.reads()) f("columns", factors, "a sum in its place: {COLUMN: FACTOR, ...}");
+  if (!f.reads() || !f.section().Has("columns")) return 0;
+  if (f.section().Has("column")) {
+    f.Fail("columns", "beside 'column', expected one column or a sum, not both");
+  }
+  const config::Section columns = f.section().Child("columns");
+  for (const std::string& column : columns.Keys()) {
+    sum->push_back({column, columns.Number(column)});
+    if (sum->back().factor == 0.0) columns.Fail(column, "is 0, expected another factor");
+  }
+  if (sum->empty()) {
+    f.Fail("columns", "is empty, expected {COLUMN: FACTOR, ...}, such as {a: 1, b: -1}");
+  }
+  return columns.line();
+}
+
 // Sets all but the sign. path: of the mapping, for messages about cells.
 static void Describe(config::Fields& f, ColumnMap& c, const std::string& path, Quantity quantity,
                      bool may_be_constant) {
   std::optional<std::string> column;
   std::string unit;
-  config::Numbers columns;
   f("column", column, "of the header, {joint}: its number");
-  f("columns", columns, "a sum in its place: {COLUMN: FACTOR, ...}");
+  const int sum_line = DescribeSum(f, &c.sum);
   if (may_be_constant) f("constant", c.constant, "added, or alone");
   f("times", c.times, "columns that the cell is multiplied by");
   f("unit", unit, "of the column (docs/formats.md); needed with one");
@@ -24,23 +42,12 @@ static void Describe(config::Fields& f, ColumnMap& c, const std::string& path, Q
   }
   c.unit = *found;
   if (c.scale == 0.0) f.Fail("scale", "is 0, expected another number");
-  if (column && f.section().Has("columns")) {
-    f.Fail("columns", "beside 'column', expected one column or a sum, not both");
-  }
-  const bool is_sum = f.section().Has("columns");
-  if (is_sum && columns.empty()) {
-    f.Fail("columns", "is empty, expected {COLUMN: FACTOR, ...}, such as {a: 1, b: -1}");
-  }
-  for (const auto& [name, factor] : columns) {
-    if (factor == 0.0) f.section().Child("columns").Fail(name, "is 0, expected another factor");
-    c.sum.push_back({name, factor});
-  }
-  if (!is_sum && (column || !may_be_constant || !f.section().Has("constant"))) {
+  if (sum_line == 0 && (column || !may_be_constant || !f.section().Has("constant"))) {
     c.sum.push_back({f.section().Text("column"), 1.0});
   }
-  const int line = is_sum ? f.section().Child("columns").line() : f.section().line();
+  const int line = sum_line > 0 ? sum_line : f.section().line();
   c.where = f.section().file().string() + ":" + std::to_string(line) + ": key '" + path +
-            (is_sum ? ".columns'" : ".column'");
+            (sum_line > 0 ? ".columns'" : ".column'");
 }
 
 static void DescribeSignal(config::Fields& f, const std::string& name, CsvMap* map) {
@@ -92,7 +99,7 @@ void Describe(config::Fields& f, CsvMap& c) {
       if (!types::SignalFromName(name)) {
         g.Fail(name, "is no signal, expected one of: " + types::Joined(known));
       }
-      g.Object(name, "", [&](config::Fields& h) { DescribeSignal(h, name, &c); });
+      g.Object(name, "where it is", [&](config::Fields& h) { DescribeSignal(h, name, &c); });
     }
   });
   f.Require(!c.signals.empty(), "signals", "is empty, expected at least one signal");
