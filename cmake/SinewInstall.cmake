@@ -28,5 +28,5 @@ file(WRITE ${CMAKE_BINARY_DIR}/other_headers.txt "${other_headers}\n")
 install(DIRECTORY ${CMAKE_BINARY_DIR}/generated/sinew_idl DESTINATION include/sinew
   FILES_MATCHING PATTERN "*.h")
 install(DIRECTORY idl DESTINATION share/sinew FILES_MATCHING PATTERN "*.idl" PATTERN "README.md")
-install(DIRECTORY robots DESTINATION share/sinew COMPONENT core)
+install(DIRECTORY robots schemas DESTINATION share/sinew COMPONENT core)
 install(FILES tools/python/sinew_recording.py DESTINATION share/sinew/python COMPONENT prefix)  # not in a package

@@ -124,10 +124,10 @@ ResidualScore RunResidualCase(const ResidualBench& bench, const ResidualCase& at
 
   tune::ClosedLoopConfig loop;
   loop.control = {bench.control};
-  loop.reference =
-      reference::ReadReference(config::Section::Parse(ReferenceText(at.motion),
-                                                      MotionName(at.motion), "sinew-reference/1"))
-          .config;
+  loop.reference = config::Read<reference::LoadedReference>(
+                       config::Section::Parse(ReferenceText(at.motion), MotionName(at.motion),
+                                              "sinew-reference/1"))
+                       .config;
   loop.pneumatics = {bench.pneumatics};
   loop.pneumatics[0].target_bar = at.pressure_bar;
   loop.rate_Hz = kRate_Hz;

@@ -95,7 +95,7 @@ std::string AxesText(const std::string& folder, bool nodes) {
 void RunWithoutTopics(const std::string& config_path, std::uint64_t cycles, double rate_Hz,
                       bool realtime) {
   const config::Section section = config::Section::Load(config_path, "sinew-can-bridge/1");
-  const bridge::BridgeFile file = bridge::ReadBridge(section);
+  const bridge::BridgeFile file = config::Read<bridge::BridgeFile>(section);
   std::vector<std::unique_ptr<can::Transport>> transports;
   std::vector<can::Transport*> pointers;
   for (std::size_t bus = 0; bus < file.buses.size(); ++bus) {

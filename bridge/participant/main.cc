@@ -49,13 +49,13 @@ void Run(const node::Options& options, node::StopFlag& stop,
     throw UsageError(
         "--lockstep: a bus has its own time; use world or surrogate for simulated time");
   }
-  const config::Section section = config::Section::Load(options.config_path, "sinew-can-bridge/1");
-  bridge::BridgeFile file = bridge::ReadBridge(section);
+  const config::Section section = config::Section::Load(options.config_path, bridge::kSchema);
+  auto file = config::Read<bridge::BridgeFile>(section);
   const bool hardware = file.bridge.live;
   const provider::GuardConfig guard = provider::LoadGuardConfig(section.ChildOrEmpty("guard"));
   const estop::Config estop =
       estop::LoadConfig(section.ChildOrEmpty("estop"), options.name, options.domain_id, hardware);
-  const std::filesystem::path proofs = bridge::ReadProofPath(section, hardware);
+  const std::filesystem::path proofs = bridge::ProofPath(section, file);
   section.RejectUnknownKeys();
   // Before the first frame, and until the last.
   std::vector<std::optional<can::BusMaster>> masters;

@@ -13,8 +13,9 @@
 
 namespace sinew::bridge {
 
-std::filesystem::path ReadProofPath(const config::Section& section, bool hardware) {
-  const std::string text = section.TextOr("watchdog_proof", hardware ? "default" : "none");
+std::filesystem::path ProofPath(const config::Section& section, const BridgeFile& file) {
+  const bool hardware = file.bridge.live;
+  const std::string text = file.watchdog_proof.value_or(hardware ? "default" : "none");
   if (text == "default") return estop::StateFolder() / "watchdog-proof.yaml";
   if (text == "none") {
     if (hardware) section.Fail("watchdog_proof", "is none, expected a path: this is hardware");

@@ -10,10 +10,8 @@
 
 namespace sinew::bridge {
 
-// Where the proofs are; empty: arming needs none. The key `watchdog_proof`: `default`, `none` or a
-// path, relative to the file. Left out: `default` for hardware, `none` for a simulation. Throws
-// UsageError: hardware without.
-std::filesystem::path ReadProofPath(const config::Section& section, bool hardware);
+// Where the proofs are; empty: arming needs none. Throws UsageError: hardware without.
+std::filesystem::path ProofPath(const config::Section& section, const BridgeFile& file);
 
 // Why the joints may not be armed; empty: all have a proof, or none is needed.
 std::string ArmRefusal(const BridgeConfig& bridge, const std::filesystem::path& proofs,

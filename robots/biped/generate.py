@@ -8,6 +8,7 @@
 import csv
 import math
 import pathlib
+import re
 import sys
 
 HERE = pathlib.Path(__file__).resolve().parent
@@ -555,13 +556,20 @@ FILES = {
 }
 
 
+def content(name):
+    """The file, with the line by which editors find its schema."""
+    text = FILES[name]()
+    schema = re.search(r"^schema: sinew-([a-z-]+)/(\d+)$", text, re.MULTILINE)
+    return f"# yaml-language-server: $schema=../../schemas/{schema[1]}-{schema[2]}.json\n{text}" if schema else text
+
+
 def main():
     arguments = sys.argv[1:]
     if len(arguments) == 2 and arguments[0] == "--print" and arguments[1] in FILES:
-        sys.stdout.write(FILES[arguments[1]]())
+        sys.stdout.write(content(arguments[1]))
     elif not arguments:
-        for name, text in FILES.items():
-            (HERE / name).write_text(text(), encoding="utf-8")
+        for name in FILES:
+            (HERE / name).write_text(content(name), encoding="utf-8")
     else:
         sys.exit(__doc__ + "\nFILES: " + ", ".join(FILES))
 

@@ -163,8 +163,8 @@ Recorded Read(const std::string& folder) {
   }
   run.quiet.emplace_back(from, std::numeric_limits<std::int64_t>::max());
   run.lines = can::ReadCandumpFile(folder + kLogFile);
-  const bridge::BridgeFile file =
-      bridge::ReadBridge(config::Section::Load(folder + "bridge.yaml", "sinew-can-bridge/1"));
+  const bridge::BridgeFile file = config::Read<bridge::BridgeFile>(
+      config::Section::Load(folder + "bridge.yaml", "sinew-can-bridge/1"));
   run.filters = bridge::ReceiveFilters(file.bridge, 0);
   const std::int64_t noise_from = run.mark("noise_from"), noise_until = run.mark("noise_until");
   for (const LogLine& line : run.lines) {

@@ -28,6 +28,13 @@ constexpr char kQosOfCertificate[] = "qos.xml";
 constexpr int kRecordingWindow = 64;  // ticks a logger may lag; half of what a reader keeps
 const std::vector<std::string> kRestartWords = {"never", "on_failure", "always"};
 
+// What the file alone does not say: where programs are, and of which host the processes start.
+struct Place {
+  fs::path folder;
+  std::string chosen_host;
+  const Host* here = nullptr;  // nullptr: of all
+};
+
 bool IsLogger(const Process& process) { return process.program.filename() == "sinew-logger"; }
 // Nothing that moves depends on what it publishes.
 bool IsObserver(const Process& process) {
@@ -47,21 +54,21 @@ bool IsName(const std::string& name) {
                      [](unsigned char c) { return std::isalnum(c) != 0 || c == '_' || c == '-'; });
 }
 
-std::vector<std::string> ReadInterfaces(const config::Section& network, const char* key) {
-  std::vector<std::string> names = network.TextsOr(key, {});
+void DescribeInterfaces(config::Fields& f, const char* key, std::vector<std::string>& names,
+                        const char* help) {
+  f(key, names, help);
   const std::string unknown = UnknownInterface(names);
   if (!unknown.empty()) {
-    network.Fail(key, "no interface '" + unknown +
-                          "', expected names of this machine's: " + InterfaceNames());
+    f.Fail(key,
+           "no interface '" + unknown + "', expected names of this machine's: " + InterfaceNames());
   }
-  return names;
 }
 
 // ADDRESS:PORT of a discovery server of Fast DDS.
-std::string ReadDiscoveryServer(const config::Section& network) {
+void CheckDiscoveryServer(const config::Fields& network, const Deployment& deployment) {
+  const std::string& text = deployment.discovery_server;
   const char* key = "discovery_server";
-  std::string text = network.TextOr(key, "");
-  if (text.empty()) return text;
+  if (text.empty()) return;
   const std::size_t colon = text.find(':');
   in_addr address{};
   int port = 0;
@@ -72,62 +79,119 @@ std::string ReadDiscoveryServer(const config::Section& network) {
       std::from_chars(text.data() + colon + 1, end, port) == std::from_chars_result{end, {}} &&
       port > 0 && port < 65536;
   if (!good) network.Fail(key, "'" + text + "', expected an IPv4 address and a port, ADDRESS:PORT");
-  if (network.Has("key")) {
+  if (!deployment.key.empty()) {
     network.Fail(key, "its datagrams carry no authentication tag, expected no 'key' beside it");
   }
-  return text;
 }
 
 // The host that the process names, by default the first one: the file means the same everywhere.
-std::string ReadHost(const config::Section& section, const std::vector<Host>& hosts) {
-  if (hosts.empty()) {
-    if (section.Has("host")) section.Fail("host", "expected 'hosts' in this file");
-    return {};
-  }
+void DescribeHost(config::Fields& f, const std::vector<Host>& hosts, std::string& host) {
+  std::optional<std::string> given;
+  f("host", given, "of `hosts`; left out: the first");
+  if (given && hosts.empty()) f.Fail("host", "expected 'hosts' in this file");
+  if (hosts.empty()) return;
   std::vector<std::string> names;
   names.reserve(hosts.size());
-  for (const Host& host : hosts) names.push_back(host.name);
-  return section.ChoiceOr("host", names.front(), names);
+  for (const Host& one : hosts) names.push_back(one.name);
+  host = given ? f.section().Choice("host", names) : names.front();
 }
 
 // Programs and files of other hosts are looked for there.
-void ReadFiles(const config::Section& section, const fs::path& folder, bool here,
-               Process* process) {
-  const fs::path base = section.file().parent_path();
-  const std::string program = section.Text("program");
-  if (!here) {
-    process->program = program;
-    if (section.Has("config")) process->config = fs::absolute(base / section.Text("config"));
-    return;
-  }
-  process->program = FindProgram(program, base, folder);
-  if (process->program.empty()) section.Fail("program", NoProgram(program, folder));
-  if (section.Has("config")) process->config = fs::absolute(section.ExistingPath("config"));
+void DescribeFiles(config::Fields& f, const fs::path& folder, bool here, Process* process) {
+  std::string program, config;
+  f.Need("program", program, "by its name, or a path relative to this file");
+  f("config", config, "its configuration, relative to this file");
+  if (!f.reads()) return;
+  const fs::path base = f.section().file().parent_path();
+  process->program = here ? FindProgram(program, base, folder) : fs::path(program);
+  if (process->program.empty()) f.Fail("program", NoProgram(program, folder));
+  if (config.empty()) return;
+  process->config = fs::absolute(here ? f.section().ExistingPath("config") : base / config);
 }
 
-// here: the host whose processes start; nullptr: all.
-Process ReadProcess(const config::Section& section, const fs::path& folder,
-                    const Deployment& deployment, const Host* here) {
-  Process process;
-  process.name = section.Text("name");
-  if (!IsName(process.name)) {
-    section.Fail("name", "'" + process.name + "', expected letters, digits, '_' or '-'");
+void DescribeProcess(config::Fields& f, const Place& place, const Deployment& deployment,
+                     Process* c) {
+  std::optional<bool> vital, stop_last;
+  std::optional<Restart> restart;
+  f.Need("name", c->name, "letters, digits, '_' or '-'");
+  if (f.reads() && !IsName(c->name)) {
+    f.Fail("name", "'" + c->name + "', expected letters, digits, '_' or '-'");
   }
-  process.certificate = process.name;
-  process.host = ReadHost(section, deployment.hosts);
-  ReadFiles(section, folder, here == nullptr || process.host == here->name, &process);
-  process.arguments = section.TextsOr("arguments", {});
-  process.after = section.TextsOr("after", {});
-  process.ready_when = section.TextOr("ready_when", "");
-  process.vital = section.BoolOr("vital", !IsObserver(process));
-  process.restart = RestartFromWord(section.ChoiceOr(
-      "restart", process.vital || deployment.lockstep ? "never" : "on_failure", kRestartWords));
-  process.max_restarts =
-      static_cast<int>(section.IntegerOr("max_restarts", process.max_restarts, {0, 1000}));
-  process.back_off_s = section.NumberOr("back_off_s", process.back_off_s, {0.0, 600.0});
-  process.plain = section.BoolOr("plain", false);
-  process.stop_last = section.BoolOr("stop_last", IsLogger(process));
-  return process;
+  c->certificate = c->name;
+  DescribeHost(f, deployment.hosts, c->host);
+  DescribeFiles(f, place.folder, place.here == nullptr || c->host == place.here->name, c);
+  f("arguments", c->arguments, "of its command line");
+  f("after", c->after, "starts when these are ready");
+  f("ready_when", c->ready_when, "with the first line that holds this; left out: any line");
+  f("vital", vital, "its failure ends the others; left out: yes, but of observers");
+  c->vital = vital.value_or(!IsObserver(*c));
+  f.Word("restart", restart,
+         {{"never", Restart::kNever},
+          {"on_failure", Restart::kOnFailure},
+          {"always", Restart::kAlways}},
+         "left out: never if vital or in lockstep, else on_failure");
+  c->restart =
+      restart.value_or(c->vital || deployment.lockstep ? Restart::kNever : Restart::kOnFailure);
+  f("max_restarts", c->max_restarts, {0, 1000}, "then it is given up");
+  f("back_off_s", c->back_off_s, {0.0, 600.0}, "before a restart, doubled at each");
+  f("plain", c->plain, "a foreign program: no common options");
+  f("stop_last", stop_last, "left out: loggers do");
+  c->stop_last = stop_last.value_or(IsLogger(*c));
+}
+
+void DescribeNetwork(config::Fields& f, const Place& place, std::vector<std::string>& moved,
+                     Deployment* c) {
+  std::optional<fs::path> qos, key;
+  std::optional<std::string> security;
+  std::optional<int> copies;
+  DescribeInterfaces(f, "interfaces", c->interfaces, "beside loopback");
+  f("qos", qos, "QoS profiles of all processes");
+  f("security", security, "folder with a certificate for each (sinew security)");
+  f("key", key, "of the datagrams");
+  DescribeInterfaces(f, "open", c->open, "where DDS security does instead of the key");
+  f("copies", copies, {1, kMostCopies}, "of a datagram to another host; left out: 2");
+  f("isolate", c->isolated, "in a network of its own");
+  f("discovery_server", c->discovery_server, "ADDRESS:PORT, in place of multicast");
+  DescribeInterfaces(f, "move", moved, "what moves into the network of its own");
+  c->copies = copies.value_or(0);
+  if (!c->hosts.empty() && (!c->interfaces.empty() || !c->open.empty())) {
+    f.Fail(c->interfaces.empty() ? "open" : "interfaces",
+           "each of the 'hosts' names its own interface, expected none here");
+  }
+  if (qos && security) {
+    f.Fail("qos",
+           "given with 'security', whose certificates have profiles of their own, expected one of "
+           "them");
+  }
+  if (place.here != nullptr) c->interfaces = {place.here->interface};
+  if (qos) c->qos = fs::absolute(*qos);
+  if (key) c->key = fs::absolute(*key);
+  if (security) c->security = fs::absolute(c->file).parent_path() / *security;
+  CheckDiscoveryServer(f, *c);
+}
+
+void Describe(config::Fields& f, Deployment& c, Place* place, std::vector<std::string>& moved) {
+  f("name", c.name, "left out: that of the file");
+  f("domain_id", c.domain_id, {0, kLargestDomain}, "of DDS");
+  DescribeHosts(f, &c.hosts);
+  if (f.reads()) place->here = HostHere(c.hosts, c.file, place->chosen_host);
+  if (place->here != nullptr) c.host = place->here->name;
+  f.Object("network", "which hosts may be heard",
+           [&](config::Fields& g) { DescribeNetwork(g, *place, moved, &c); });
+  f.Word("mode", c.lockstep, {{"realtime", false}, {"lockstep", true}}, "of time");
+  f("duration_s", c.duration_s, config::kNotNegative, "of the session; 0: until stopped");
+  f("seed", c.seed, config::kNotNegative, "of all that is drawn");
+  f("provider", c.provider, "name of the process that provides the state");
+  f("await", c.await, "lockstep: replies that end a tick, TOPIC or TOPIC:WINDOW");
+  f("realtime_priority", c.realtime_priority, "of the processes");
+  f("grace_s", c.grace_s, {0.0, kLongestGrace_s}, "until a process that does not stop is killed");
+  f.NeedList("processes", {1}, "in the order of their start", [&](config::Fields& g) {
+    Process process;
+    DescribeProcess(g, *place, c, &process);
+    g.Require(c.Find(process.name) == nullptr, "name",
+              "'" + process.name + "' given twice, expected a name of its own");
+    c.processes.push_back(std::move(process));
+  });
 }
 
 // A circle in `after` would never start.
@@ -439,68 +503,32 @@ bool Deployment::provider_elsewhere() const {
                      [this](const Process& process) { return process.name == provider; });
 }
 
+void Describe(config::Fields& f, Deployment& deployment) {
+  Place place;
+  std::vector<std::string> moved;
+  Describe(f, deployment, &place, moved);
+}
+
 Deployment LoadDeployment(const fs::path& file, const Overrides& overrides,
                           const fs::path& program_folder) {
-  const config::Section root = config::Section::Load(file, "sinew-deployment/1");
+  const config::Section root = config::Section::Load(file, kSchema);
   Deployment deployment;
   deployment.file = file;
-  deployment.name = root.TextOr("name", file.stem().string());
-  deployment.domain_id = static_cast<int>(root.IntegerOr("domain_id", 0, {0, kLargestDomain}));
-  deployment.hosts = ReadHosts(root);
-  const Host* here = HostHere(deployment.hosts, file, overrides.host);
-  const config::Section network = root.ChildOrEmpty("network");
-  for (const char* key : {"interfaces", "open"}) {
-    if (!deployment.hosts.empty() && network.Has(key)) {
-      network.Fail(key, "each of the 'hosts' names its own interface, expected none here");
-    }
-  }
-  deployment.interfaces = ReadInterfaces(network, "interfaces");
-  if (here != nullptr) {
-    deployment.host = here->name;
-    deployment.interfaces = {here->interface};
-  }
-  if (network.Has("qos")) deployment.qos = fs::absolute(network.ExistingPath("qos"));
-  if (network.Has("security")) {
-    if (network.Has("qos")) {
-      network.Fail("qos",
-                   "given with 'security', whose certificates have profiles of their own, "
-                   "expected one of them");
-    }
-    deployment.security = fs::absolute(file).parent_path() / network.Text("security");
-  }
-  if (network.Has("key")) deployment.key = fs::absolute(network.ExistingPath("key"));
-  deployment.open = ReadInterfaces(network, "open");
-  if (network.Has("copies")) {
-    deployment.copies = static_cast<int>(network.Integer("copies", {1, kMostCopies}));
-  }
-  deployment.isolated = network.BoolOr("isolate", false);
-  deployment.discovery_server = ReadDiscoveryServer(network);
-  const std::vector<std::string> moved = ReadInterfaces(network, "move");
-  deployment.lockstep = root.ChoiceOr("mode", "realtime", {"realtime", "lockstep"}) == "lockstep";
-  deployment.duration_s = root.NumberOr("duration_s", 0.0, config::kNotNegative);
-  deployment.seed = static_cast<std::uint64_t>(root.IntegerOr("seed", 1, config::kNotNegative));
-  deployment.provider = root.TextOr("provider", "");
-  deployment.await = root.TextsOr("await", {});
-  deployment.realtime_priority = root.BoolOr("realtime_priority", false);
-  deployment.grace_s = root.NumberOr("grace_s", deployment.grace_s, {0.0, kLongestGrace_s});
-
-  const std::vector<config::Section> sections = root.List("processes");
-  std::set<std::string> names;
-  for (const config::Section& section : sections) {
-    Process process = ReadProcess(section, program_folder, deployment, here);
-    if (!names.insert(process.name).second) {
-      section.Fail("name", "'" + process.name + "' given twice, expected a name of its own");
-    }
-    deployment.processes.push_back(std::move(process));
-  }
+  deployment.name = file.stem().string();
+  Place place{.folder = program_folder, .chosen_host = overrides.host};
+  std::vector<std::string> moved;
+  config::Fields fields(root);
+  Describe(fields, deployment, &place, moved);
   root.RejectUnknownKeys();
-  if (sections.empty()) root.Fail("processes", "empty, expected at least one process");
-  if (!deployment.provider.empty() && !names.contains(deployment.provider)) {
+  const Host* here = place.here;
+  const config::Section network = root.ChildOrEmpty("network");
+  const std::vector<config::Section> sections = root.List("processes");
+  if (!deployment.provider.empty() && deployment.Find(deployment.provider) == nullptr) {
     root.Fail("provider", "'" + deployment.provider + "', expected the name of a process");
   }
   for (std::size_t i = 0; i < sections.size(); ++i) {
     for (const std::string& name : deployment.processes[i].after) {
-      if (!names.contains(name)) {
+      if (deployment.Find(name) == nullptr) {
         sections[i].Fail("after", "'" + name + "', expected the name of a process");
       }
       if (deployment.Find(name)->host != deployment.processes[i].host) {

@@ -78,6 +78,9 @@ struct Overrides {
   std::filesystem::path record;  // non-empty: the logger writes here; added if there is none
 };
 
+inline constexpr char kSchema[] = "sinew-deployment/1";
+void Describe(config::Fields& fields, Deployment& deployment);
+
 // `program_folder`: where programs named without a slash are looked for before PATH. Throws
 // UsageError for anything wrong in the file or the overrides.
 Deployment LoadDeployment(const std::filesystem::path& file, const Overrides& overrides = {},

@@ -5,7 +5,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <set>
 
 #include "components/base/types/joined.h"
 #include "components/topics/node/host_name.h"
@@ -41,24 +40,21 @@ std::string UserName() {
 
 }  // namespace
 
-std::vector<Host> ReadHosts(const config::Section& root) {
-  std::vector<Host> hosts;
-  std::set<std::string> names;
-  for (const config::Section& section : root.ListOrEmpty("hosts")) {
-    Host host{section.Text("name"), section.Text("interface"), section.TextOr("user", "")};
-    if (!IsHostName(host.name)) {
-      section.Fail("name", "'" + host.name + "', expected a host's name, and not '" + kAllHosts +
-                               "': letters, digits, '_', '-' or '.'");
-    }
-    if (host.interface.empty()) {
-      section.Fail("interface", "'', expected the name of its interface to the other hosts");
-    }
-    if (!names.insert(host.name).second) {
-      section.Fail("name", "'" + host.name + "' given twice, expected a name of its own");
-    }
-    hosts.push_back(std::move(host));
-  }
-  return hosts;
+void DescribeHosts(config::Fields& f, std::vector<Host>* hosts) {
+  f.List("hosts", {}, "of a deployment over several", [hosts](config::Fields& g) {
+    Host host;
+    g.Need("name", host.name, "as the machine calls itself");
+    g.Need("interface", host.interface, "to the others, by the name that it has there");
+    g("user", host.user, "whose processes run there; left out: any");
+    g.Require(IsHostName(host.name), "name",
+              "'" + host.name + "', expected a host's name, and not '" + kAllHosts +
+                  "': letters, digits, '_', '-' or '.'");
+    g.Require(!host.interface.empty(), "interface",
+              "'', expected the name of its interface to the other hosts");
+    g.Require(Find(*hosts, host.name) == nullptr, "name",
+              "'" + host.name + "' given twice, expected a name of its own");
+    hosts->push_back(std::move(host));
+  });
 }
 
 const Host* HostHere(const std::vector<Host>& hosts, const std::filesystem::path& file,

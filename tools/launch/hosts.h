@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "components/base/config/config.h"
+#include "components/base/config/fields.h"
 
 namespace sinew::launch {
 
@@ -21,7 +21,7 @@ struct Host {
 inline constexpr char kAllHosts[] = "all";
 
 // In the order of the file; none: the deployment is of one host.
-std::vector<Host> ReadHosts(const config::Section& root);
+void DescribeHosts(config::Fields& fields, std::vector<Host>* hosts);
 
 // The host that `chosen` (--host) names, or where that is empty, this machine by its name, with or
 // without its domain; nullptr: all. Throws: neither is one of them, or there is no such interface.

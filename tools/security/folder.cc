@@ -17,13 +17,26 @@
 
 namespace sinew::security {
 
+void Describe(config::Fields& f, Settings& c) {
+  constexpr double kLargestDomain = 232;
+  f.Need("deployment", c.deployment, "its name");
+  f.Need("domain_id", c.domain_id, {0, kLargestDomain}, "of DDS");
+}
+
+void Describe(config::Fields& f, MemberFile& c) {
+  Describe(f, c.settings);
+  f.Need("name", c.member.name, "of the process");
+  f("roles", c.member.roles, "what it may read and write");
+  f.Need("host", c.member.host, "where its folder belongs");
+}
+
 namespace {
 
 namespace fs = std::filesystem;
 using std::chrono::days;
 
-constexpr char kSettings[] = "security.yaml", kSettingsSchema[] = "sinew-security/1";
-constexpr char kMember[] = "member.yaml", kMemberSchema[] = "sinew-security-member/1";
+constexpr char kSettings[] = "security.yaml";
+constexpr char kMember[] = "member.yaml";
 constexpr char kAuthority[] = "authority";
 constexpr char kIdentityKey[] = "identity_ca.key", kPermissionsKey[] = "permissions_ca.key";
 constexpr days kSoon{30};
@@ -122,17 +135,8 @@ std::string SettingsText(const Settings& settings) {
          "'\ndomain_id: " + std::to_string(settings.domain_id) + "\n";
 }
 
-Settings ReadSettings(const config::Section& section) {
-  constexpr double kLargestDomain = 232;
-  return {section.Text("deployment"),
-          static_cast<int>(section.Integer("domain_id", {0, kLargestDomain}))};
-}
-
 Settings ReadSettings(const fs::path& folder) {
-  const config::Section root = config::Section::Load(folder / kSettings, kSettingsSchema);
-  Settings settings = ReadSettings(root);
-  root.RejectUnknownKeys();
-  return settings;
+  return config::Read<Settings>(config::Section::Load(folder / kSettings, kSettingsSchema));
 }
 
 struct Authorities {
@@ -239,10 +243,8 @@ class Checker {
     }
     CheckQos(folder / kQos);
     Run(folder / kMember, [&] {
-      const config::Section root = config::Section::Load(folder / kMember, kMemberSchema);
-      const Settings settings = ReadSettings(root);
-      const Member member{root.Text("name"), root.TextsOr("roles", {}), root.Text("host")};
-      root.RejectUnknownKeys();
+      const auto [member, settings] =
+          config::Read<MemberFile>(config::Section::Load(folder / kMember, kMemberSchema));
       CheckMember(member);
       CheckDocument(
           folder / kGovernance, permissions, Governance(settings.domain_id),

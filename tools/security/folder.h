@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "components/base/config/fields.h"
 #include "tools/security/authority.h"
 
 namespace sinew::security {
@@ -29,6 +30,17 @@ struct Settings {
   std::string deployment;
   int domain_id = 0;
 };
+
+inline constexpr char kSettingsSchema[] = "sinew-security/1";
+void Describe(config::Fields& fields, Settings& settings);
+
+// What the folder of a certificate says of it.
+struct MemberFile {
+  Member member;
+  Settings settings;
+};
+inline constexpr char kMemberSchema[] = "sinew-security-member/1";
+void Describe(config::Fields& fields, MemberFile& file);
 
 struct Days {
   int authority = 7300, certificate = 1825;

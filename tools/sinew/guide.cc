@@ -32,8 +32,8 @@ const std::array<Group, 5>& Groups() {
        {"record", "replay", "replay-control", "rerun", "snapshot", "import", "export", "recover",
         "attachments"}},
       {"Commands to model",
-       {"new", "check-data", "close-loop", "verify", "effects", "model", "train", "tune", "experiment",
-        "export-model"}},
+       {"new", "check-data", "close-loop", "verify", "effects", "model", "train", "tune",
+        "experiment", "export-model", "schema"}},
       {"Commands to reproduce what was published",
        {"paper", "tables", "control-test", "squat-test", "compare", "search"}},
   }};

@@ -19,66 +19,71 @@ using config::Section;
 using Inputs = std::map<std::string, std::filesystem::path>;
 
 // A file that the section names, and its place among the inputs.
-std::filesystem::path Input(const Section& section, const char* key, Inputs* inputs) {
-  return (*inputs)[key] = section.ExistingPath(key);
+std::filesystem::path Input(config::Fields& f, const char* key, const char* help, Inputs* inputs) {
+  std::filesystem::path path;
+  f.Need(key, path, help);
+  return (*inputs)[key] = path;
 }
 
-world::FloatingRobotConfig ReadRobot(const Section& section, Inputs* inputs) {
-  const std::filesystem::path path = Input(section, "world", inputs);
+world::FloatingRobotConfig DescribeRobot(config::Fields& f, Inputs* inputs) {
+  const std::filesystem::path path =
+      Input(f, "world", "schema sinew-world/1, with floating_base", inputs);
+  std::optional<std::filesystem::path> given;
+  f("model", given, "in place of the world's");
+  if (!f.reads()) return {};
   const std::filesystem::path model =
-      section.Has("model") ? section.ExistingPath("model")
-                           : Section::Load(path, "sinew-world/1").ExistingPath("model");
+      given ? *given : Section::Load(path, world::kSchema).ExistingPath("model");
   const world::WorldFile file = world::LoadWorldFile(path, model);
   if (!file.floating_base) {
-    section.Fail("world", "'" + path.string() + "' has a fixed base, expected floating_base");
+    f.Fail("world", "'" + path.string() + "' has a fixed base, expected floating_base");
   }
   (*inputs)["model"] = model;
   (*inputs)["urdf"] = file.urdf;
   return world::RobotConfig(file);
 }
 
-std::vector<control::JointControlConfig> ReadJoints(const Section& section, Inputs* inputs) {
-  const std::filesystem::path path = Input(section, "control", inputs);
+std::vector<control::JointControlConfig> DescribeJoints(config::Fields& f, Inputs* inputs) {
+  const std::filesystem::path path =
+      Input(f, "control", "every joint without a prediction", inputs);
+  if (!f.reads()) return {};
   const control::ControlConfig config = control::LoadControl(path);
   if (config.needs_prediction()) {
-    section.Fail("control", "'" + path.string() +
-                                "' needs a torque prediction, which a trial in one process does "
-                                "not have; expected position, pid or pid_linear");
+    f.Fail("control", "'" + path.string() +
+                          "' needs a torque prediction, which a trial in one process does "
+                          "not have; expected position, pid or pid_linear");
   }
   return config.joints;
 }
 
-FallLimits ReadFall(const Section& section) {
-  const Section fall = section.Child("fall");
-  FallLimits limits;
-  limits.least_height_m = fall.Number("least_height_m", kPositive);
-  limits.most_tilt_rad = fall.Number("most_tilt_rad", {0.01, std::numbers::pi});
-  fall.RejectUnknownKeys();
-  return limits;
-}
-
 // Everything but robot and control.
-RobotTrialConfig ReadTrial(const Section& section, Inputs* inputs) {
-  RobotTrialConfig trial;
-  trial.reference = reference::LoadReference(Input(section, "reference", inputs)).config;
-  trial.performance = performance::LoadPerformance(Input(section, "performance", inputs));
-  if (section.Has("pneumatics")) {
-    trial.pneumatics = pneumatics::LoadPneumatics(Input(section, "pneumatics", inputs)).joints;
-  }
-  trial.rate_Hz = section.Number("rate_Hz", {1.0, 10000.0});
-  trial.delay_ticks = static_cast<int>(section.IntegerOr("delay_ticks", 0, {0, 100}));
-  trial.duration_s = section.Number("duration_s", kPositive);
-  trial.fall = ReadFall(section);
-  return trial;
+void DescribeTrial(config::Fields& f, RobotTrialConfig* c, Inputs* inputs) {
+  const auto reference = Input(f, "reference", "schema sinew-reference/1", inputs);
+  const auto performance = Input(f, "performance", "energies", inputs);
+  std::optional<std::filesystem::path> pneumatics;
+  f("pneumatics", pneumatics, "a manager for every joint; left out: relays off");
+  f.Need("rate_Hz", c->rate_Hz, {1.0, 10000.0}, "of the cycle");
+  f("delay_ticks", c->delay_ticks, {0, 100}, "commands act so many ticks later");
+  f.Need("duration_s", c->duration_s, kPositive, "of a trial");
+  f.NeedObject("fall", "a trial ends with it", [&](config::Fields& fall) {
+    fall.Need("least_height_m", c->fall.least_height_m, kPositive, "of the base's origin");
+    fall.Need("most_tilt_rad", c->fall.most_tilt_rad, {0.01, std::numbers::pi}, "of its z axis");
+  });
+  if (!f.reads()) return;
+  c->reference = reference::LoadReference(reference).config;
+  c->performance = performance::LoadPerformance(performance);
+  if (!pneumatics) return;
+  (*inputs)["pneumatics"] = *pneumatics;
+  c->pneumatics = pneumatics::LoadPneumatics(*pneumatics).joints;
 }
 
 // What the parts say when they do not fit together, with the file's name; runs nothing.
-void CheckFits(const Section& section, const RobotTrialConfig& trial) {
+void CheckFits(const config::Fields& f, const RobotTrialConfig& trial) {
+  if (!f.reads()) return;
   const std::size_t joints = trial.robot.model.joints.size();
   const auto check = [&](const char* key, std::size_t count) {
     if (count == joints) return;
-    section.Fail(key, "has " + std::to_string(count) + " joints, expected the model's " +
-                          std::to_string(joints));
+    f.Fail(key, "has " + std::to_string(count) + " joints, expected the model's " +
+                    std::to_string(joints));
   };
   check("control", trial.control.size());
   check("reference", trial.reference.joints.size());
@@ -86,32 +91,32 @@ void CheckFits(const Section& section, const RobotTrialConfig& trial) {
   if (!trial.pneumatics.empty()) check("pneumatics", trial.pneumatics.size());
 }
 
-GainRange ReadRange(const Section& section, const char* key, GainRange range) {
-  if (!section.Has(key)) return range;
-  const std::vector<double> values = section.Numbers(key, kPositive);
+void DescribeRange(config::Fields& f, const char* key, GainRange& range, const char* help) {
+  std::vector<double> values = {range.lower, range.upper};
+  f(key, values, kPositive, help);
   if (values.size() != 2 || values[0] > values[1]) {
-    section.Fail(key, "expected two numbers, the lower one first");
+    f.Fail(key, "expected two numbers, the lower one first");
   }
-  return {values[0], values[1]};
+  range = {values[0], values[1]};
 }
 
-GainSearchConfig ReadSearch(const Section& root) {
-  GainSearchConfig config;
-  const Section search = root.Child("search");
-  config.search.trials = static_cast<int>(search.Integer("trials", {1, 1e6}));
-  config.search.seed = static_cast<std::uint64_t>(search.IntegerOr("seed", 1, kNotNegative));
-  config.search.proportional = ReadRange(search, "proportional_Nm_rad", config.search.proportional);
-  config.search.integral = ReadRange(search, "integral_Nm_rad_s", config.search.integral);
-  config.search.derivative = ReadRange(search, "derivative_Nm_s_rad", config.search.derivative);
-  config.search.around_best = ReadRange(search, "around_best", config.search.around_best);
-  search.RejectUnknownKeys();
-  for (const Section& gains : root.ListOrEmpty("compare")) {
-    config.compared.push_back({gains.Text("name"), gains.Number("proportional_Nm_rad", kPositive),
-                               gains.Number("integral_Nm_rad_s", kNotNegative),
-                               gains.Number("derivative_Nm_s_rad", kNotNegative)});
-    gains.RejectUnknownKeys();
-  }
-  return config;
+void DescribeSearch(config::Fields& f, GainSearchConfig* c) {
+  f.NeedObject("search", "where the gains are sought", [&](config::Fields& g) {
+    g.Need("trials", c->search.trials, {1, 1e6},
+           "draws in each of the two stages, even in the logarithm");
+    g("seed", c->search.seed, kNotNegative, "of the draws");
+    DescribeRange(g, "proportional_Nm_rad", c->search.proportional, "stage 1, in all joints");
+    DescribeRange(g, "integral_Nm_rad_s", c->search.integral, "stage 1");
+    DescribeRange(g, "derivative_Nm_s_rad", c->search.derivative, "stage 1");
+    DescribeRange(g, "around_best", c->search.around_best, "stage 2: factors of the best gains");
+  });
+  f.List("compare", {}, "run as well", [&](config::Fields& g) {
+    auto& gains = c->compared.emplace_back();
+    g.Need("name", gains.name, "in the tables");
+    g.Need("proportional_Nm_rad", gains.proportional_Nm_rad, kPositive, "in all joints");
+    g.Need("integral_Nm_rad_s", gains.integral_Nm_rad_s, kNotNegative, "in all joints");
+    g.Need("derivative_Nm_s_rad", gains.derivative_Nm_s_rad, kNotNegative, "in all joints");
+  });
 }
 
 // Every number after the key; false: there is none.
@@ -143,45 +148,49 @@ std::string MoveModelPaths(const std::string& text, const std::filesystem::path&
 
 }  // namespace
 
-TuneFile LoadTune(const std::filesystem::path& path) {
-  const Section root = Section::Load(path, "sinew-tune/1");
-  TuneFile file;
-  file.inputs["search"] = path;
-  file.trial = ReadTrial(root, &file.inputs);
-  file.trial.robot = ReadRobot(root, &file.inputs);
-  file.trial.control = ReadJoints(root, &file.inputs);
+void Describe(config::Fields& f, TuneFile& file) {
+  DescribeTrial(f, &file.trial, &file.inputs);
+  file.trial.robot = DescribeRobot(f, &file.inputs);
+  file.trial.control = DescribeJoints(f, &file.inputs);
   file.control = file.inputs.at("control");
-  file.search = ReadSearch(root);
-  file.search.rest = file.trial.control.front().pid;
-  root.RejectUnknownKeys();
-  CheckFits(root, file.trial);
+  DescribeSearch(f, &file.search);
+  CheckFits(f, file.trial);
   for (const control::JointControlConfig& joint : file.trial.control) {
-    if (joint.strategy == control::Strategy::kPid) continue;
-    root.Fail("control", "'" + file.control.string() + "' has a joint without PID, expected pid");
+    f.Require(joint.strategy == control::Strategy::kPid, "control",
+              "'" + file.control.string() + "' has a joint without PID, expected pid");
   }
+  if (!file.trial.control.empty()) file.search.rest = file.trial.control.front().pid;
+}
+
+TuneFile LoadTune(const std::filesystem::path& path) {
+  auto file = config::Read<TuneFile>(Section::Load(path, kTuneSchema));
+  file.inputs["search"] = path;
   return file;
 }
 
-PressureSweepFile LoadPressureSweep(const std::filesystem::path& path) {
-  const Section root = Section::Load(path, "sinew-pressure-sweep/1");
+void Describe(config::Fields& f, PressureSweepFile& file) {
   Inputs inputs;
-  PressureSweepFile file;
   PressureSweepConfig& sweep = file.sweep;
-  sweep.elastic = ReadTrial(root, &inputs);
+  DescribeTrial(f, &sweep.elastic, &inputs);
   sweep.rigid = sweep.elastic;
   sweep.rigid.pneumatics.clear();
-  const Section rigid = root.Child("rigid"), elastic = root.Child("elastic");
-  for (const auto& [section, trial] :
-       {std::pair{&rigid, &sweep.rigid}, std::pair{&elastic, &sweep.elastic}}) {
-    trial->robot = ReadRobot(*section, &inputs);
-    trial->control = ReadJoints(*section, &inputs);
-    section->RejectUnknownKeys();
-    CheckFits(*section, *trial);
-  }
-  sweep.pressure_bar = root.Numbers("pressure_bar", kNotNegative);
-  root.RejectUnknownKeys();
-  if (sweep.elastic.pneumatics.empty()) root.Fail("pneumatics", "is missing, expected a file");
-  return file;
+  const auto describe = [&](RobotTrialConfig* trial) {
+    return [&inputs, trial](config::Fields& g) {
+      trial->robot = DescribeRobot(g, &inputs);
+      trial->control = DescribeJoints(g, &inputs);
+      CheckFits(g, *trial);
+    };
+  };
+  f.NeedObject("rigid", "without pressure", describe(&sweep.rigid));
+  f.NeedObject("elastic", "its model has pneumatic_torque in some joints",
+               describe(&sweep.elastic));
+  f.Need("pressure_bar", sweep.pressure_bar, kNotNegative,
+         "chamber and reservoir begin at it, the manager's target is it");
+  f.Require(!sweep.elastic.pneumatics.empty(), "pneumatics", "is missing, expected a file");
+}
+
+PressureSweepFile LoadPressureSweep(const std::filesystem::path& path) {
+  return config::Read<PressureSweepFile>(Section::Load(path, kSweepSchema));
 }
 
 std::string ControlText(const std::filesystem::path& control, const control::PidConfig& pid,
@@ -201,7 +210,7 @@ std::string ControlText(const std::filesystem::path& control, const control::Pid
   text = head + MoveModelPaths(text, control.parent_path(), folder);
   const std::string name = (folder / "control.yaml").string();
   const control::ControlConfig read =
-      control::ReadControl(Section::Parse(text, name, "sinew-control/1"));
+      config::Read<control::ControlConfig>(Section::Parse(text, name, "sinew-control/1"));
   for (const control::JointControlConfig& joint : read.joints) {
     if (joint.pid.proportional_Nm_rad == pid.proportional_Nm_rad &&
         joint.pid.integral_Nm_rad_s == pid.integral_Nm_rad_s &&

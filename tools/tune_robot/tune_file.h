@@ -7,7 +7,7 @@
 #include <map>
 #include <string>
 
-#include "components/base/config/config.h"
+#include "components/base/config/fields.h"
 #include "tools/tune_robot/gain_search.h"
 #include "tools/tune_robot/pressure_sweep.h"
 
@@ -21,12 +21,16 @@ struct TuneFile {
   std::map<std::string, std::filesystem::path> inputs;
 };
 
+inline constexpr char kTuneSchema[] = "sinew-tune/1";
+void Describe(config::Fields& fields, TuneFile& file);
 TuneFile LoadTune(const std::filesystem::path& path);
 
 struct PressureSweepFile {
   PressureSweepConfig sweep;  // threads: 1
 };
 
+inline constexpr char kSweepSchema[] = "sinew-pressure-sweep/1";
+void Describe(config::Fields& fields, PressureSweepFile& file);
 PressureSweepFile LoadPressureSweep(const std::filesystem::path& path);
 
 // The text of `control` (sinew-control/1) with these gains in every joint, to stand in `folder`;

@@ -48,20 +48,18 @@ std::vector<std::string> WordsOf(const ViewOptions& options) {
   return words;
 }
 
+void Describe(config::Fields& f, ViewFile& c) {
+  f("urdf", c.urdf, "the robot to draw");
+  f("port", c.port, {0.0, kLargestPort}, "of the page");
+  f("signals", c.signals, "plotted at first, such as joint_state.position_rad[0]");
+}
+
 ViewOptions WithConfiguration(ViewOptions options, const std::filesystem::path& file) {
-  if (!file.empty()) {
-    const config::Section section = config::Section::Load(file, "sinew-view/1");
-    if (section.Has("urdf")) {
-      const std::filesystem::path urdf = section.ExistingPath("urdf");
-      if (options.urdf.empty()) options.urdf = urdf;
-    }
-    const auto port = section.IntegerOr("port", kDefaultPort, {0.0, kLargestPort});
-    if (options.port < 0) options.port = static_cast<int>(port);
-    const std::vector<std::string> signals = section.TextsOr("signals", {});
-    if (options.signals.empty()) options.signals = signals;
-    section.RejectUnknownKeys();
-  }
-  if (options.port < 0) options.port = kDefaultPort;
+  ViewFile from_file;
+  if (!file.empty()) from_file = config::Read<ViewFile>(config::Section::Load(file, kSchema));
+  if (options.urdf.empty()) options.urdf = from_file.urdf.value_or("");
+  if (options.signals.empty()) options.signals = from_file.signals;
+  if (options.port < 0) options.port = from_file.port;
   return options;
 }
 

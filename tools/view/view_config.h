@@ -3,8 +3,11 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
+
+#include "components/base/config/fields.h"
 
 namespace CLI {
 class App;
@@ -29,6 +32,15 @@ struct ViewOptions {
 void AddViewOptions(CLI::App& app, ViewOptions* options);
 // The words of a command line that AddViewOptions reads as these options.
 std::vector<std::string> WordsOf(const ViewOptions& options);
+
+inline constexpr char kSchema[] = "sinew-view/1";
+
+struct ViewFile {
+  std::optional<std::filesystem::path> urdf;
+  int port = kDefaultPort;
+  std::vector<std::string> signals;
+};
+void Describe(config::Fields& fields, ViewFile& file);
 
 // What the file adds to options that were not given. Throws UsageError.
 ViewOptions WithConfiguration(ViewOptions options, const std::filesystem::path& file);

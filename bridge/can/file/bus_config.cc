@@ -34,44 +34,52 @@ std::string DriverOf(const std::string& interface) {
 
 }  // namespace
 
-std::vector<BusEntry> ReadBuses(const config::Section& section) {
-  std::vector<BusEntry> buses;
-  for (const config::Section& item : section.List("buses")) {
-    BusEntry entry;
-    entry.name = item.Text("name");
-    const std::string kind = item.Choice("transport", {"socketcan", "virtual", "replay"});
-    if (kind == "socketcan") {
-      entry.kind = TransportKind::kSocketCan;
-      entry.interface = item.Text("interface");
-    } else if (kind == "virtual") {
-      entry.kind = TransportKind::kVirtual;
-      entry.bus = item.TextOr("bus", entry.name);
-      entry.connect_timeout_ms = static_cast<int>(
-          item.IntegerOr("connect_timeout_ms", entry.connect_timeout_ms, {0, 600000}));
-    } else {
-      entry.kind = TransportKind::kReplay;
-      entry.file = item.ExistingPath("file").string();
-      entry.interface = item.TextOr("interface", "");
-    }
-    entry.bitrate_bit_s = item.NumberOr("bitrate_bit_s", 1e6, {1e4, 1e6});
-    if (std::any_of(buses.begin(), buses.end(),
-                    [&](const BusEntry& b) { return b.name == entry.name; })) {
-      item.Fail("name", "'" + entry.name + "' is used twice, expected a name of its own");
-    }
-    item.RejectUnknownKeys();
-    buses.push_back(entry);
+static void Describe(config::Fields& f, BusEntry& c) {
+  f.Need("name", c.name, "for the joints");
+  const auto transport = f.NeedWord("transport", c.kind,
+                                    {{"socketcan", TransportKind::kSocketCan},
+                                     {"virtual", TransportKind::kVirtual},
+                                     {"replay", TransportKind::kReplay}},
+                                    "an interface, a sinew-can-bus, or a log");
+  if (const auto socketcan = transport.Is({"socketcan"})) {
+    f.Need("interface", c.interface, "such as can0");
   }
-  if (buses.empty()) section.Fail("buses", "is empty, expected at least one bus");
-  return buses;
+  if (const auto joined = transport.Is({"virtual"})) {
+    if (f.reads()) c.bus = c.name;
+    f("bus", c.bus, "the sinew-can-bus to join, name or path of its socket; left out: the name");
+    f("connect_timeout_ms", c.connect_timeout_ms, {0, 600000}, "until the bus appears");
+  }
+  if (const auto replay = transport.Is({"replay"})) {
+    std::filesystem::path file;
+    f.Need("file", file, "a log of candump -l");
+    c.file = file.string();
+    f("interface", c.interface, "such as can0");
+  }
+  f("bitrate_bit_s", c.bitrate_bit_s, {1e4, 1e6},
+    "for the load; the interface itself is set by ip link");
 }
 
-int ReadBusOf(const config::Section& section, const std::vector<BusEntry>& buses) {
-  if (buses.size() == 1 && !section.Has("bus")) return 0;
-  std::vector<std::string> names;
-  names.reserve(buses.size());
-  for (const BusEntry& entry : buses) names.push_back(entry.name);
-  const std::string name = section.Choice("bus", names);
-  return static_cast<int>(std::find(names.begin(), names.end(), name) - names.begin());
+void DescribeBuses(config::Fields& f, std::vector<BusEntry>* buses) {
+  f.NeedList("buses", {1}, "of the robot", [buses](config::Fields& g) {
+    BusEntry entry;
+    Describe(g, entry);
+    const bool known = std::any_of(buses->begin(), buses->end(),
+                                   [&](const BusEntry& b) { return b.name == entry.name; });
+    g.Require(!known, "name", "'" + entry.name + "' is used twice, expected a name of its own");
+    buses->push_back(entry);
+  });
+}
+
+void DescribeAddress(config::Fields& f, const std::vector<BusEntry>& buses, int* bus, int* node) {
+  std::string name;
+  if (!f.reads()) f("bus", name, "by its name; with one bus it may be left out");
+  if (f.reads() && (buses.size() > 1 || f.section().Has("bus"))) {
+    std::vector<std::string> names;
+    for (const BusEntry& entry : buses) names.push_back(entry.name);
+    name = f.section().Choice("bus", names);
+    *bus = static_cast<int>(std::find(names.begin(), names.end(), name) - names.begin());
+  }
+  f.Need("node", *node, {0, kMaxNode}, "on the bus");
 }
 
 std::unique_ptr<Transport> OpenBus(const BusEntry& entry, const std::vector<IdFilter>& filters) {
@@ -123,25 +131,28 @@ const char* FirmwareName(Firmware firmware) {
   return "0.5.6";
 }
 
-Firmware ReadFirmware(const config::Section& section) {
-  const std::string text = section.ChoiceOr("firmware", "0.5.6", {"0.5.1", "0.5.4", "0.5.6"});
-  return text == "0.5.1" ? Firmware::k0_5_1 : text == "0.5.4" ? Firmware::k0_5_4 : Firmware::k0_5_6;
+void DescribeFirmware(config::Fields& f, Firmware& firmware) {
+  f.Word("firmware", firmware,
+         {{"0.5.1", Firmware::k0_5_1}, {"0.5.4", Firmware::k0_5_4}, {"0.5.6", Firmware::k0_5_6}},
+         "of the controller");
 }
 
-BodyPart ReadBodyPart(const config::Section& section) {
-  const std::string text = section.Choice("sensor", {"right_foot", "left_foot", "imu"});
-  if (text == "imu") return BodyPart::kImu;
-  return text == "right_foot" ? BodyPart::kRightFoot : BodyPart::kLeftFoot;
+void DescribeDirection(config::Fields& f, int& direction) {
+  f("direction", direction, {-1, 1}, "1, or -1: the joint turns the other way");
+  if (direction == 0) f.Fail("direction", "is 0, expected 1 or -1");
 }
 
-std::array<double, 3> ReadMounting(const config::Section& section) {
-  const std::vector<double> angles =
-      section.NumbersOr("mounting_rpy_rad", {0.0, 0.0, 0.0}, {-types::kTwoPi, types::kTwoPi});
-  if (angles.size() != 3) {
-    section.Fail("mounting_rpy_rad",
-                 "has " + std::to_string(angles.size()) + " numbers, expected 3: roll, pitch, yaw");
-  }
-  return {angles[0], angles[1], angles[2]};
+void DescribeBodyPart(config::Fields& f, BodyPart& part, std::array<double, 3>& mounting_rpy_rad,
+                      const config::Fields::Body& more) {
+  const auto sensor = f.NeedWord("sensor", part,
+                                 {{"right_foot", BodyPart::kRightFoot},
+                                  {"left_foot", BodyPart::kLeftFoot},
+                                  {"imu", BodyPart::kImu}},
+                                 "what the node measures");
+  const auto imu = sensor.Is({"imu"});
+  if (!imu) return;
+  f("mounting_rpy_rad", mounting_rpy_rad, {-types::kTwoPi, types::kTwoPi}, "roll, pitch, yaw");
+  if (more) more(f);
 }
 
 }  // namespace sinew::can

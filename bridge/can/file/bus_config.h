@@ -1,12 +1,4 @@
 // The `buses:` list of a configuration file, and opening what it names. Not for loops.
-//
-//   buses:
-//     - name: legs
-//       transport: socketcan     # or virtual, replay
-//       interface: can0          # socketcan; replay: only this one's lines
-//       bus: legs                # virtual: the sinew-can-bus to join, name or path of its socket
-//       file: run.log            # replay: a log of candump -l
-//       bitrate_bit_s: 1000000   # for the load; the interface itself is set by ip link
 #pragma once
 
 #include <array>
@@ -19,7 +11,7 @@
 #include "bridge/can/codec.h"
 #include "bridge/can/transport/bus_master.h"
 #include "bridge/can/transport/transport.h"
-#include "components/base/config/config.h"
+#include "components/base/config/fields.h"
 
 namespace sinew::can {
 
@@ -35,11 +27,12 @@ struct BusEntry {
   int connect_timeout_ms = 5000;  // virtual: how long to wait for the bus to appear
 };
 
-// Reads section's `buses`; at least one, names unique. Throws UsageError.
-std::vector<BusEntry> ReadBuses(const config::Section& section);
+// The key `buses`; at least one, names unique. Throws UsageError.
+void DescribeBuses(config::Fields& fields, std::vector<BusEntry>* buses);
 
-// Index of the bus a section's key `bus` names; with one bus the key may be left out.
-int ReadBusOf(const config::Section& section, const std::vector<BusEntry>& buses);
+// The keys `bus`, whose index this is, and `node`; with one bus the first may be left out.
+void DescribeAddress(config::Fields& fields, const std::vector<BusEntry>& buses, int* bus,
+                     int* node);
 
 // Throws UsageError when it cannot be opened.
 std::unique_ptr<Transport> OpenBus(const BusEntry& entry, const std::vector<IdFilter>& filters);
@@ -52,11 +45,11 @@ bool IsHardware(const BusEntry& entry);
 
 // "0.5.6"
 const char* FirmwareName(Firmware firmware);
-// The key `firmware`: "0.5.1", "0.5.4" or "0.5.6" (the default).
-Firmware ReadFirmware(const config::Section& section);
-// The key `sensor`: "right_foot", "left_foot" or "imu".
-BodyPart ReadBodyPart(const config::Section& section);
-// The key `mounting_rpy_rad`: three angles; nothing is no rotation.
-std::array<double, 3> ReadMounting(const config::Section& section);
+// The keys `firmware`, `direction`, and `sensor` with, of an IMU, `mounting_rpy_rad` and more.
+void DescribeFirmware(config::Fields& fields, Firmware& firmware);
+void DescribeDirection(config::Fields& fields, int& direction);
+void DescribeBodyPart(config::Fields& fields, BodyPart& part,
+                      std::array<double, 3>& mounting_rpy_rad,
+                      const config::Fields::Body& more = nullptr);
 
 }  // namespace sinew::can

@@ -7,192 +7,143 @@
 #include "components/base/types/joints.h"
 
 namespace sinew::bridge {
-namespace {
+using config::kNotNegative;
+using config::kPositive;
 
-int ReadDirection(const config::Section& section) {
-  const auto direction = section.IntegerOr("direction", 1, {-1, 1});
-  if (direction == 0) section.Fail("direction", "is 0, expected 1 or -1");
-  return static_cast<int>(direction);
+static void Describe(config::Fields& f, Braking& c) {
+  f.Need("reflected_inertia_kg_m2", c.reflected_inertia_kg_m2, kPositive, "motor, at the output");
+  f.Need("max_inertia_kg_m2", c.max_inertia_kg_m2, kPositive, "with the largest load");
+  f.Need("load_torque_Nm", c.load_torque_Nm, kNotNegative, "largest of gravity and springs");
+  f.Milliseconds("command_delay_ms", c.command_delay_s, kNotNegative, "until a command acts");
 }
 
-int ReadNode(const config::Section& section) {
-  return static_cast<int>(section.Integer("node", {0, can::kMaxNode}));
-}
-
-Braking ReadBraking(const config::Section& section) {
-  Braking braking;
-  braking.reflected_inertia_kg_m2 = section.Number("reflected_inertia_kg_m2", config::kPositive);
-  braking.max_inertia_kg_m2 = section.Number("max_inertia_kg_m2", config::kPositive);
-  braking.load_torque_Nm = section.Number("load_torque_Nm", config::kNotNegative);
-  braking.command_delay_s =
-      1e-3 *
-      section.NumberOr("command_delay_ms", 1e3 * braking.command_delay_s, config::kNotNegative);
-  section.RejectUnknownKeys();
-  return braking;
-}
-
-JointLimits ReadLimits(const config::Section& section) {
-  JointLimits limits;
-  limits.motor_torque_Nm = section.Number("motor_torque_Nm", config::kPositive);
-  limits.current_A = section.Number("current_A", config::kPositive);
-  limits.velocity_rad_s = section.Number("velocity_rad_s", config::kPositive);
-  limits.lower_rad = section.Number("lower_rad");
-  limits.upper_rad = section.Number("upper_rad");
-  if (limits.lower_rad >= limits.upper_rad) section.Fail("upper_rad", "is not above lower_rad");
-  limits.margin_rad = section.NumberOr("margin_rad", limits.margin_rad, config::kNotNegative);
-  if (section.Has("motor_temperature_degC")) {
-    limits.motor_temperature_degC = section.Number("motor_temperature_degC");
-  }
-  if (section.Has("braking")) limits.braking = ReadBraking(section.Child("braking"));
-  section.RejectUnknownKeys();
-  return limits;
+static void Describe(config::Fields& f, JointLimits& c) {
+  f.Need("motor_torque_Nm", c.motor_torque_Nm, kPositive, "at the motor shaft");
+  f.Need("current_A", c.current_A, kPositive, "of the motor");
+  f.Need("velocity_rad_s", c.velocity_rad_s, kPositive, "of the output");
+  f.Need("lower_rad", c.lower_rad, "of the output");
+  f.Need("upper_rad", c.upper_rad, "of the output");
+  f("margin_rad", c.margin_rad, kNotNegative, "beyond the limits: a fault of the joint");
+  f("motor_temperature_degC", c.motor_temperature_degC, "hotter: a fault; left out: none");
+  f("braking", c.braking, "before a position limit; left out: nothing brakes");
+  f.Require(c.lower_rad < c.upper_rad, "upper_rad", "is not above lower_rad");
 }
 
 // As odrivetool prints it: hexadecimal, with or without 0x.
-std::string ReadSerialNumber(const config::Section& section) {
-  if (!section.Has("serial_number")) return "";
-  const std::string text = section.Text("serial_number");
-  std::string digits = text.starts_with("0x") || text.starts_with("0X") ? text.substr(2) : text;
+static void DescribeSerialNumber(config::Fields& f, std::string& digits) {
+  std::optional<std::string> given;
+  f("serial_number", given, "of the controller, as odrivetool prints it");
+  if (!given) return;
+  digits = given->starts_with("0x") || given->starts_with("0X") ? given->substr(2) : *given;
   for (char& c : digits) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
   const bool is_hex = std::all_of(digits.begin(), digits.end(),
                                   [](unsigned char c) { return std::isxdigit(c) != 0; });
   if (digits.empty() || digits.size() > 16 || !is_hex) {
-    section.Fail("serial_number",
-                 "is '" + text + "', expected hexadecimal digits such as 3861324D3037");
+    f.Fail("serial_number",
+           "is '" + *given + "', expected hexadecimal digits such as 3861324D3037");
   }
-  return digits;
 }
 
-JointConfig ReadJoint(const config::Section& section, const std::vector<can::BusEntry>& buses) {
-  JointConfig joint;
-  joint.name = section.Text("name");
-  joint.bus = can::ReadBusOf(section, buses);
-  joint.node = ReadNode(section);
-  joint.firmware = can::ReadFirmware(section);
-  joint.serial_number = ReadSerialNumber(section);
-  joint.direction = ReadDirection(section);
-  joint.gear_ratio = section.Number("gear_ratio", config::kPositive);
-  joint.zero_rev = section.NumberOr("zero_rev", 0.0);
-  joint.torque_constant_Nm_A = section.Number("torque_constant_Nm_A", config::kPositive);
-  joint.controller_torque_constant_Nm_A =
-      section.Number("controller_torque_constant_Nm_A", config::kPositive);
-  joint.torque_efficiency = section.NumberOr("torque_efficiency", 1.0, {1e-3, 1.0});
-  joint.declared_payload_kg = section.NumberOr("declared_payload_kg", 0.0, config::kNotNegative);
-  joint.limits = ReadLimits(section.Child("limits"));
-  if (section.Has("sensor_node")) {
-    const config::Section node = section.Child("sensor_node");
-    joint.output = OutputNode{ReadNode(node), ReadDirection(node), node.NumberOr("zero_rad", 0.0)};
-    node.RejectUnknownKeys();
-  }
-  if (section.Has("zero_check")) {
-    const config::Section check = section.Child("zero_check");
-    joint.zero_check = ZeroCheck{check.Number("play_rad", config::kNotNegative),
-                                 check.Number("tolerance_rad", config::kPositive)};
-    check.RejectUnknownKeys();
-  }
-  joint.compliance_rad =
-      section.NumberOr("compliance_rad", joint.compliance_rad, config::kNotNegative);
-  joint.home_by_whole_turns =
-      section.ChoiceOr("homing", "none", {"none", "whole_turns"}) == "whole_turns";
-  section.RejectUnknownKeys();
-  return joint;
+static void DescribeJoint(config::Fields& f, JointConfig& c,
+                          const std::vector<can::BusEntry>& buses) {
+  f.Need("name", c.name, "as in the topics");
+  can::DescribeAddress(f, buses, &c.bus, &c.node);
+  can::DescribeFirmware(f, c.firmware);
+  DescribeSerialNumber(f, c.serial_number);
+  can::DescribeDirection(f, c.direction);
+  f.Need("gear_ratio", c.gear_ratio, kPositive, "motor turns per output turn");
+  f("zero_rev", c.zero_rev, "motor position where the joint is at 0");
+  f.Need("torque_constant_Nm_A", c.torque_constant_Nm_A, kPositive, "of the motor");
+  f.Need("controller_torque_constant_Nm_A", c.controller_torque_constant_Nm_A, kPositive,
+         "that the controller is set to");
+  f("torque_efficiency", c.torque_efficiency, {1e-3, 1.0}, "of the torque from the current");
+  f("declared_payload_kg", c.declared_payload_kg, kNotNegative, "what the operator declares");
+  f.Need("limits", c.limits, "of the joint");
+  f.If("sensor_node", "an output encoder", [&c](config::Fields& g) {
+    OutputNode& node = c.output.emplace();
+    g.Need("node", node.node, {0, can::kMaxNode}, "on the bus");
+    can::DescribeDirection(g, node.direction);
+    g("zero_rad", node.zero_rad, "its reading where the joint is at 0");
+  });
+  f.If("zero_check", "both encoders at start", [&c](config::Fields& g) {
+    ZeroCheck& check = c.zero_check.emplace();
+    g.Need("play_rad", check.play_rad, kNotNegative, "of the gear");
+    g.Need("tolerance_rad", check.tolerance_rad, kPositive, "more than the play");
+  });
+  f("compliance_rad", c.compliance_rad, kNotNegative, "between the encoders");
+  f.Word("homing", c.home_by_whole_turns, {{"none", false}, {"whole_turns", true}},
+         "the motor's turn by the output encoder");
 }
 
-GatewayConfig ReadGateway(const config::Section& section, const std::vector<can::BusEntry>& buses,
-                          const std::vector<JointConfig>& joints) {
-  GatewayConfig gateway;
-  gateway.bus = can::ReadBusOf(section, buses);
-  gateway.node = ReadNode(section);
-  for (const std::string& name : section.TextsOr("joints", {})) {
-    const auto joint = std::find_if(joints.begin(), joints.end(),
-                                    [&](const JointConfig& j) { return j.name == name; });
-    if (joint == joints.end())
-      section.Fail("joints", "has '" + name + "', which is no joint's name");
-    gateway.joints.push_back(static_cast<int>(joint - joints.begin()));
+static void DescribeGateway(config::Fields& f, GatewayConfig& c, const BridgeFile& file) {
+  std::vector<std::string> joints, body = {"feet", "imu"};
+  can::DescribeAddress(f, file.buses, &c.bus, &c.node);
+  f("joints", joints, "whose axes it holds when they are not heard");
+  for (const std::string& name : joints) {
+    const auto& all = file.bridge.joints;
+    const auto joint =
+        std::find_if(all.begin(), all.end(), [&](const JointConfig& j) { return j.name == name; });
+    if (joint == all.end()) f.Fail("joints", "has '" + name + "', which is no joint's name");
+    c.joints.push_back(static_cast<int>(joint - all.begin()));
   }
-  const std::vector<std::string> carried = section.TextsOr("body", {"feet", "imu"});
-  gateway.carries_feet = gateway.carries_imu = false;
-  for (const std::string& sensor : carried) {
+  f("body", body, "what passes it, of feet and imu");
+  c.carries_feet = c.carries_imu = false;
+  for (const std::string& sensor : body) {
     if (sensor != "feet" && sensor != "imu") {
-      section.Fail("body", "has '" + sensor + "', expected feet or imu");
+      f.Fail("body", "has '" + sensor + "', expected feet or imu");
     }
-    (sensor == "feet" ? gateway.carries_feet : gateway.carries_imu) = true;
+    (sensor == "feet" ? c.carries_feet : c.carries_imu) = true;
   }
-  section.RejectUnknownKeys();
-  return gateway;
 }
 
-BodyNodeConfig ReadBodyNode(const config::Section& section,
-                            const std::vector<can::BusEntry>& buses) {
-  BodyNodeConfig node;
-  node.bus = can::ReadBusOf(section, buses);
-  node.node = ReadNode(section);
-  node.part = can::ReadBodyPart(section);
-  if (node.part == can::BodyPart::kImu) node.mounting_rpy_rad = can::ReadMounting(section);
-  section.RejectUnknownKeys();
-  return node;
+static void Describe(config::Fields& f, BridgeTiming& c) {
+  f.Word("estimates", c.estimates,
+         {{"cyclic", Estimates::kCyclic}, {"requested", Estimates::kRequested}},
+         "sent by the axes, or asked for");
+  f("iq_every_cycles", c.iq_every_cycles, {0, 1000}, "the current is asked for; 0: never");
+  f.Milliseconds("answer_window_ms", c.answer_window_s, kPositive, "for answers of a cycle");
+  f.Milliseconds("estimate_timeout_ms", c.estimate_timeout_s, kPositive, "older: not valid");
+  f.Milliseconds("lost_after_ms", c.lost_after_s, kPositive, "without an estimate: a fault");
+  f.Milliseconds("heartbeat_timeout_ms", c.heartbeat_timeout_s, kPositive, "without one: a fault");
+  f.Milliseconds("closed_loop_timeout_ms", c.closed_loop_timeout_s, kPositive, "for arming");
+  f.Milliseconds("start_timeout_ms", c.start_timeout_s, kPositive, "for all axes to be heard");
+  f("valve_timeout_ms", c.valve_timeout_ms, {1, 60000}, "a node without commands shuts its valve");
 }
 
-BridgeTiming ReadTiming(const config::Section& section) {
-  BridgeTiming timing;
-  timing.estimates = section.ChoiceOr("estimates", "cyclic", {"cyclic", "requested"}) == "requested"
-                         ? Estimates::kRequested
-                         : Estimates::kCyclic;
-  const auto seconds = [&section](const char* key, double fallback_s) {
-    return 1e-3 * section.NumberOr(key, 1e3 * fallback_s, config::kPositive);
-  };
-  timing.iq_every_cycles =
-      static_cast<int>(section.IntegerOr("iq_every_cycles", timing.iq_every_cycles, {0, 1000}));
-  timing.answer_window_s = seconds("answer_window_ms", timing.answer_window_s);
-  timing.estimate_timeout_s = seconds("estimate_timeout_ms", timing.estimate_timeout_s);
-  timing.lost_after_s = seconds("lost_after_ms", timing.lost_after_s);
-  timing.heartbeat_timeout_s = seconds("heartbeat_timeout_ms", timing.heartbeat_timeout_s);
-  timing.closed_loop_timeout_s = seconds("closed_loop_timeout_ms", timing.closed_loop_timeout_s);
-  timing.start_timeout_s = seconds("start_timeout_ms", timing.start_timeout_s);
-  timing.valve_timeout_ms =
-      static_cast<int>(section.IntegerOr("valve_timeout_ms", timing.valve_timeout_ms, {1, 60000}));
-  section.RejectUnknownKeys();
-  return timing;
-}
-
-}  // namespace
-
-BridgeFile ReadBridge(const config::Section& section) {
-  BridgeFile file;
-  file.buses = can::ReadBuses(section);
-  file.bridge.live = section.Choice("origin", {"live", "sim"}) == "live";
+// A live robot has hardware, all of it.
+static void CheckOrigin(const config::Fields& f, const BridgeFile& file) {
   for (const can::BusEntry& bus : file.buses) {
     if (file.bridge.live && bus.kind != can::TransportKind::kSocketCan) {
-      section.Fail("origin", "is live, but bus '" + bus.name + "' is no hardware; expected sim");
+      f.Fail("origin", "is live, but bus '" + bus.name + "' is no hardware; expected sim");
     }
     if (!file.bridge.live && can::IsHardware(bus)) {
-      section.Fail("origin", "is sim, but bus '" + bus.name + "' is the CAN controller " +
-                                 bus.interface + ": motors may be behind it; expected live");
+      f.Fail("origin", "is sim, but bus '" + bus.name + "' is the CAN controller " + bus.interface +
+                           ": motors may be behind it; expected live");
     }
-    file.bridge.bitrate_bit_s.push_back(bus.bitrate_bit_s);
   }
-  file.bridge.short_frames = section.BoolOr("short_frames", true);
-  for (const config::Section& joint : section.List("joints")) {
-    file.bridge.joints.push_back(ReadJoint(joint, file.buses));
-  }
-  if (file.bridge.joints.empty() ||
-      file.bridge.joints.size() > static_cast<std::size_t>(types::kMaxJoints)) {
-    section.Fail("joints", "has " + std::to_string(file.bridge.joints.size()) +
-                               " entries, expected 1 to " + std::to_string(types::kMaxJoints));
-  }
-  for (const config::Section& gateway : section.ListOrEmpty("gateways")) {
-    file.bridge.gateways.push_back(ReadGateway(gateway, file.buses, file.bridge.joints));
-  }
-  for (const config::Section& node : section.ListOrEmpty("body_nodes")) {
-    file.bridge.body_nodes.push_back(ReadBodyNode(node, file.buses));
-  }
-  file.bridge.timing = ReadTiming(section.ChildOrEmpty("timing"));
-  try {
-    CheckBridgeConfig(file.bridge);
-  } catch (const std::invalid_argument& error) {
-    section.Fail("joints", error.what());
-  }
-  return file;
+}
+
+void Describe(config::Fields& f, BridgeFile& file) {
+  BridgeConfig& c = file.bridge;
+  can::DescribeBuses(f, &file.buses);
+  f.NeedWord("origin", c.live, {{"live", true}, {"sim", false}}, "hardware, or simulated axes");
+  if (f.reads()) CheckOrigin(f, file);
+  for (const can::BusEntry& bus : file.buses) c.bitrate_bit_s.push_back(bus.bitrate_bit_s);
+  f("short_frames", c.short_frames, "torque and position without feed-forward");
+  f.NeedList("joints", {1, types::kMaxJoints}, "in the order of the topics",
+             [&](config::Fields& g) { DescribeJoint(g, c.joints.emplace_back(), file.buses); });
+  f.List("gateways", {}, "between the bridge and the axes",
+         [&](config::Fields& g) { DescribeGateway(g, c.gateways.emplace_back(), file); });
+  f.List("body_nodes", {}, "feet and IMU", [&](config::Fields& g) {
+    BodyNodeConfig& node = c.body_nodes.emplace_back();
+    can::DescribeAddress(g, file.buses, &node.bus, &node.node);
+    can::DescribeBodyPart(g, node.part, node.mounting_rpy_rad);
+  });
+  f("timing", c.timing, "of the bus");
+  f("watchdog_proof", file.watchdog_proof,
+    "default, none or a path; left out: default for hardware, none else");
+  f.Others({"guard", "estop"});
+  f.Check("joints", [&] { CheckBridgeConfig(c); });
 }
 
 }  // namespace sinew::bridge

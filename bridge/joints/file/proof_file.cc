@@ -3,31 +3,31 @@
 #include <cstdio>
 
 #include "bridge/can/file/bus_config.h"
-#include "components/base/config/config.h"
 
 namespace sinew::bridge {
-namespace {
+static void Describe(config::Fields& f, WatchdogProof& c) {
+  f.Need("joint", c.joint, "for people");
+  f.Need("serial_number", c.serial_number, "of the controller, as in the joint map");
+  f.Need("node", c.node, {0, can::kMaxNode},
+         "of the axis: the axes of a controller share its serial number");
+  can::DescribeFirmware(f, c.firmware);
+  f.Need("idle_after_ms", c.idle_after_ms, config::kPositive,
+         "the first heartbeat in idle, after the last setpoint; above 110 it counts for nothing");
+  f.Need("made", c.made, "when");
+}
 
-constexpr const char* kProofSchema = "sinew-watchdog-proof/1";
-
-}  // namespace
+void Describe(config::Fields& f, std::vector<WatchdogProof>& proofs) {
+  f.List("proofs", {}, "one an axis",
+         [&](config::Fields& proof) { Describe(proof, proofs.emplace_back()); });
+}
 
 std::vector<WatchdogProof> ReadProofs(const std::filesystem::path& path) {
   std::error_code error;
   if (!std::filesystem::exists(path, error) && !error) return {};
   const config::Section file = config::Section::Load(path, kProofSchema);
+  config::Fields fields(file);
   std::vector<WatchdogProof> proofs;
-  for (const config::Section& section : file.ListOrEmpty("proofs")) {
-    WatchdogProof proof;
-    proof.joint = section.Text("joint");
-    proof.serial_number = section.Text("serial_number");
-    proof.node = static_cast<int>(section.Integer("node", {0, can::kMaxNode}));
-    proof.firmware = can::ReadFirmware(section);
-    proof.idle_after_ms = section.Number("idle_after_ms", config::kPositive);
-    proof.made = section.Text("made");
-    section.RejectUnknownKeys();
-    proofs.push_back(proof);
-  }
+  Describe(fields, proofs);
   file.RejectUnknownKeys();
   return proofs;
 }

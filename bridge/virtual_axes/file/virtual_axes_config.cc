@@ -5,148 +5,102 @@
 #include "components/base/types/joints.h"
 
 namespace sinew::virtual_axes {
-namespace {
+using config::kNotNegative;
+using config::kPositive;
 
-int ReadDirection(const config::Section& section) {
-  const auto direction = section.IntegerOr("direction", 1, {-1, 1});
-  if (direction == 0) section.Fail("direction", "is 0, expected 1 or -1");
-  return static_cast<int>(direction);
+constexpr config::Range kPeriod{0, 60000};  // ms; 0: never
+
+// `size_key` has the encoder's unit.
+static void Describe(config::Fields& f, EncoderFault& c, const char* size_key) {
+  const auto kind = f.NeedWord("kind", c.kind,
+                               {{"frozen", EncoderFaultKind::kFrozen},
+                                {"offset", EncoderFaultKind::kOffset},
+                                {"scaled", EncoderFaultKind::kScaled}},
+                               "of the fault");
+  f("after_s", c.after_s, kNotNegative, "from the start");
+  if (const auto offset = kind.Is({"offset"})) f.Need(size_key, c.size, "added");
+  if (const auto scaled = kind.Is({"scaled"})) f.Need("share", c.size, "of the reading, more");
 }
 
-int ReadPeriod(const config::Section& section, const char* key, int fallback_ms) {
-  return static_cast<int>(section.IntegerOr(key, fallback_ms, {0, 60000}));
+static void DescribeAxis(config::Fields& f, AxisConfig& c,
+                         const std::vector<can::BusEntry>& buses) {
+  can::DescribeAddress(f, buses, &c.bus, &c.node);
+  f("joint", c.joint, {0, types::kMaxJoints - 1}, "of the simulation");
+  can::DescribeFirmware(f, c.firmware);
+  can::DescribeDirection(f, c.direction);
+  f("zero_rev", c.zero_rev, "reading where the joint is at 0");
+  f.Need("gear_ratio", c.gear_ratio, kPositive, "motor turns per output turn");
+  f("torque_constant_Nm_A", c.torque_constant_Nm_A, kPositive, "of the motor");
+  f("controller_torque_constant_Nm_A", c.controller_torque_constant_Nm_A, kPositive,
+    "that the controller is set to");
+  f("velocity_limit_rev_s", c.velocity_limit_rev_s, kPositive, "of the controller");
+  f("current_limit_A", c.current_limit_A, kPositive, "of the controller");
+  f.Milliseconds("watchdog_ms", c.watchdog_s, kNotNegative, "idles without setpoints; 0: off");
+  f("bus_voltage_V", c.bus_voltage_V, kPositive, "reported");
+  f("heartbeat_ms", c.rates.heartbeat_ms, kPeriod, "period; 0: never");
+  f("encoder_ms", c.rates.encoder_ms, kPeriod, "period; 0: never");
+  f("iq_ms", c.rates.iq_ms, kPeriod, "period; 0: never");
+  f("bus_voltage_ms", c.rates.bus_voltage_ms, kPeriod, "period; 0: never");
+  f.If("encoder_fault", "to test with",
+       [&](config::Fields& g) { Describe(g, c.encoder_fault, "size_rev"); });
 }
 
-// `encoder_fault: {kind, after_s, size_...}`; `size_key` has the encoder's unit.
-EncoderFault ReadEncoderFault(const config::Section& section, const char* size_key) {
-  EncoderFault fault;
-  if (!section.Has("encoder_fault")) return fault;
-  const config::Section given = section.Child("encoder_fault");
-  const std::string kind = given.Choice("kind", {"frozen", "offset", "scaled"});
-  fault.after_s = given.NumberOr("after_s", 0.0, config::kNotNegative);
-  if (kind == "frozen") {
-    fault.kind = EncoderFaultKind::kFrozen;
-  } else if (kind == "offset") {
-    fault.kind = EncoderFaultKind::kOffset;
-    fault.size = given.Number(size_key);
-  } else {
-    fault.kind = EncoderFaultKind::kScaled;
-    fault.size = given.Number("share");
-  }
-  given.RejectUnknownKeys();
-  return fault;
+static void DescribeNode(config::Fields& f, SensorNodeConfig& c,
+                         const std::vector<can::BusEntry>& buses) {
+  can::DescribeAddress(f, buses, &c.bus, &c.node);
+  f("joint", c.joint, {0, types::kMaxJoints - 1}, "of the simulation");
+  can::DescribeDirection(f, c.direction);
+  f("zero_rad", c.zero_rad, "reading where the joint is at 0");
+  f("encoder_ms", c.encoder_ms, kPeriod, "period; 0: never");
+  f("sensors_ms", c.sensors_ms, kPeriod, "period; 0: never");
+  f("heartbeat_ms", c.heartbeat_ms, kPeriod, "period; 0: never");
+  f.If("encoder_fault", "to test with",
+       [&](config::Fields& g) { Describe(g, c.encoder_fault, "size_rad"); });
 }
 
-AxisConfig ReadAxis(const config::Section& section, const std::vector<can::BusEntry>& buses) {
-  AxisConfig axis;
-  axis.bus = can::ReadBusOf(section, buses);
-  axis.node = static_cast<int>(section.Integer("node", {0, can::kMaxNode}));
-  axis.joint = static_cast<int>(section.IntegerOr("joint", 0, {0, types::kMaxJoints - 1}));
-  axis.firmware = can::ReadFirmware(section);
-  axis.direction = ReadDirection(section);
-  axis.zero_rev = section.NumberOr("zero_rev", axis.zero_rev);
-  axis.gear_ratio = section.Number("gear_ratio", config::kPositive);
-  axis.torque_constant_Nm_A =
-      section.NumberOr("torque_constant_Nm_A", axis.torque_constant_Nm_A, config::kPositive);
-  axis.controller_torque_constant_Nm_A = section.NumberOr(
-      "controller_torque_constant_Nm_A", axis.controller_torque_constant_Nm_A, config::kPositive);
-  axis.velocity_limit_rev_s =
-      section.NumberOr("velocity_limit_rev_s", axis.velocity_limit_rev_s, config::kPositive);
-  axis.current_limit_A =
-      section.NumberOr("current_limit_A", axis.current_limit_A, config::kPositive);
-  axis.watchdog_s = 1e-3 * section.NumberOr("watchdog_ms", 0.0, config::kNotNegative);
-  axis.bus_voltage_V = section.NumberOr("bus_voltage_V", axis.bus_voltage_V, config::kPositive);
-  AxisRates& rates = axis.rates;
-  rates.heartbeat_ms = ReadPeriod(section, "heartbeat_ms", rates.heartbeat_ms);
-  rates.encoder_ms = ReadPeriod(section, "encoder_ms", rates.encoder_ms);
-  rates.iq_ms = ReadPeriod(section, "iq_ms", rates.iq_ms);
-  rates.bus_voltage_ms = ReadPeriod(section, "bus_voltage_ms", rates.bus_voltage_ms);
-  axis.encoder_fault = ReadEncoderFault(section, "size_rev");
-  section.RejectUnknownKeys();
-  return axis;
+static void DescribeBodyNode(config::Fields& f, BodyNodeConfig& c,
+                             const std::vector<can::BusEntry>& buses) {
+  can::DescribeAddress(f, buses, &c.bus, &c.node);
+  can::DescribeBodyPart(f, c.part, c.mounting_rpy_rad, [&](config::Fields& g) {
+    g("force_noise_m_s2", c.force_noise_m_s2, kNotNegative, "standard deviation");
+    g("rate_noise_rad_s", c.rate_noise_rad_s, kNotNegative, "standard deviation");
+  });
+  f("sample_ms", c.sample_ms, kPeriod, "period; 0: never");
+  f("heartbeat_ms", c.heartbeat_ms, kPeriod, "period; 0: never");
+  f.If("fault", "to test with", [&](config::Fields& g) {
+    g.NeedWord("kind", c.fault.kind,
+               {{"frozen", BodyFaultKind::kFrozen}, {"lost", BodyFaultKind::kLost}}, "of it");
+    g("after_s", c.fault.after_s, kNotNegative, "from the start");
+  });
 }
 
-SensorNodeConfig ReadNode(const config::Section& section, const std::vector<can::BusEntry>& buses) {
-  SensorNodeConfig node;
-  node.bus = can::ReadBusOf(section, buses);
-  node.node = static_cast<int>(section.Integer("node", {0, can::kMaxNode}));
-  node.joint = static_cast<int>(section.IntegerOr("joint", 0, {0, types::kMaxJoints - 1}));
-  node.direction = ReadDirection(section);
-  node.zero_rad = section.NumberOr("zero_rad", 0.0);
-  node.encoder_ms = ReadPeriod(section, "encoder_ms", node.encoder_ms);
-  node.sensors_ms = ReadPeriod(section, "sensors_ms", node.sensors_ms);
-  node.heartbeat_ms = ReadPeriod(section, "heartbeat_ms", node.heartbeat_ms);
-  node.encoder_fault = ReadEncoderFault(section, "size_rad");
-  section.RejectUnknownKeys();
-  return node;
-}
-
-BodyNodeConfig ReadBodyNode(const config::Section& section,
-                            const std::vector<can::BusEntry>& buses) {
-  BodyNodeConfig node;
-  node.bus = can::ReadBusOf(section, buses);
-  node.node = static_cast<int>(section.Integer("node", {0, can::kMaxNode}));
-  node.part = can::ReadBodyPart(section);
-  if (node.part == can::BodyPart::kImu) {
-    node.mounting_rpy_rad = can::ReadMounting(section);
-    node.force_noise_m_s2 = section.NumberOr("force_noise_m_s2", 0.0, config::kNotNegative);
-    node.rate_noise_rad_s = section.NumberOr("rate_noise_rad_s", 0.0, config::kNotNegative);
-  }
-  node.sample_ms = ReadPeriod(section, "sample_ms", node.sample_ms);
-  node.heartbeat_ms = ReadPeriod(section, "heartbeat_ms", node.heartbeat_ms);
-  if (section.Has("fault")) {
-    const config::Section fault = section.Child("fault");
-    node.fault.kind = fault.Choice("kind", {"frozen", "lost"}) == "frozen" ? BodyFaultKind::kFrozen
-                                                                           : BodyFaultKind::kLost;
-    node.fault.after_s = fault.NumberOr("after_s", 0.0, config::kNotNegative);
-    fault.RejectUnknownKeys();
-  }
-  section.RejectUnknownKeys();
-  return node;
-}
-
-GatewayConfig ReadGateway(const config::Section& section, const std::vector<can::BusEntry>& buses) {
-  GatewayConfig gateway;
-  gateway.bus = can::ReadBusOf(section, buses);
-  gateway.node = static_cast<int>(section.Integer("node", {0, can::kMaxNode}));
-  for (const std::int64_t node : section.Integers("axes", {0, can::kMaxNode})) {
-    gateway.axes.push_back(static_cast<int>(node));
-  }
-  section.RejectUnknownKeys();
-  return gateway;
-}
-
-}  // namespace
-
-VirtualAxesFile ReadVirtualAxes(const config::Section& section) {
-  VirtualAxesFile file;
-  file.buses = can::ReadBuses(section);
-  for (const config::Section& axis : section.List("axes"))
-    file.axes.axes.push_back(ReadAxis(axis, file.buses));
-  for (const config::Section& node : section.ListOrEmpty("sensor_nodes")) {
-    file.axes.nodes.push_back(ReadNode(node, file.buses));
-  }
-  for (const config::Section& gateway : section.ListOrEmpty("gateways")) {
-    file.axes.gateways.push_back(ReadGateway(gateway, file.buses));
-  }
-  for (const config::Section& node : section.ListOrEmpty("body_nodes")) {
-    file.axes.body_nodes.push_back(ReadBodyNode(node, file.buses));
-  }
-  file.axes.step_s = 1e-3 * section.NumberOr("step_ms", 1.0, {0.01, 100.0});
-  if (section.Has("hold_start_s")) {
-    file.axes.hold_start_s = section.Number("hold_start_s", config::kNotNegative);
-  }
-  for (const AxisConfig& axis : file.axes.axes) file.joints = std::max(file.joints, axis.joint + 1);
-  for (const SensorNodeConfig& node : file.axes.nodes) {
-    file.joints = std::max(file.joints, node.joint + 1);
-  }
-  if (section.Has("world")) {
-    if (section.Has("surrogate")) section.Fail("world", "and surrogate, expected one of them");
-    file.world_path = section.ExistingPath("world");
-  }
-  if (section.Has("surrogate")) file.surrogate_path = section.ExistingPath("surrogate");
-  section.RejectUnknownKeys();
-  return file;
+void Describe(config::Fields& f, VirtualAxesFile& file) {
+  VirtualAxesConfig& c = file.axes;
+  std::optional<std::filesystem::path> world, surrogate;
+  can::DescribeBuses(f, &file.buses);
+  f.NeedList("axes", {}, "of the controllers",
+             [&](config::Fields& g) { DescribeAxis(g, c.axes.emplace_back(), file.buses); });
+  f.List("sensor_nodes", {}, "output encoders, loads, pressures",
+         [&](config::Fields& g) { DescribeNode(g, c.nodes.emplace_back(), file.buses); });
+  f.List("gateways", {}, "hold axes that are not heard", [&](config::Fields& g) {
+    GatewayConfig& gateway = c.gateways.emplace_back();
+    can::DescribeAddress(g, file.buses, &gateway.bus, &gateway.node);
+    std::vector<std::int64_t> nodes;
+    g.Need("axes", nodes, {0, can::kMaxNode}, "their nodes");
+    gateway.axes.assign(nodes.begin(), nodes.end());
+  });
+  f.List("body_nodes", {}, "feet and IMU",
+         [&](config::Fields& g) { DescribeBodyNode(g, c.body_nodes.emplace_back(), file.buses); });
+  c.step_s = 1e-3;
+  f.Milliseconds("step_ms", c.step_s, {0.01, 100.0}, "of the simulation");
+  f("hold_start_s", c.hold_start_s, kNotNegative, "held so long, or until all axes are driven");
+  f("world", world, "a world file, in place of the surrogate");
+  f("surrogate", surrogate, "its file; left out: its defaults");
+  for (const AxisConfig& axis : c.axes) file.joints = std::max(file.joints, axis.joint + 1);
+  for (const SensorNodeConfig& node : c.nodes) file.joints = std::max(file.joints, node.joint + 1);
+  f.Require(!world || !surrogate, "world", "and surrogate, expected one of them");
+  file.world_path = world.value_or("");
+  file.surrogate_path = surrogate.value_or("");
 }
 
 std::vector<can::IdFilter> Filters(const VirtualAxesConfig& config, int bus) {

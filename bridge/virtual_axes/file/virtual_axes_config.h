@@ -7,9 +7,11 @@
 
 #include "bridge/can/file/bus_config.h"
 #include "bridge/virtual_axes/virtual_axes.h"
-#include "components/base/config/config.h"
+#include "components/base/config/fields.h"
 
 namespace sinew::virtual_axes {
+
+inline constexpr char kSchema[] = "sinew-virtual-axes/1";
 
 struct VirtualAxesFile {
   std::vector<can::BusEntry> buses;
@@ -19,7 +21,7 @@ struct VirtualAxesFile {
   std::filesystem::path world_path;      // a world instead of the surrogate
 };
 
-VirtualAxesFile ReadVirtualAxes(const config::Section& section);
+void Describe(config::Fields& fields, VirtualAxesFile& file);
 
 // Everything on the buses that these nodes are addressed by.
 std::vector<can::IdFilter> Filters(const VirtualAxesConfig& config, int bus);

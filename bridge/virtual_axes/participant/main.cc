@@ -42,9 +42,8 @@ void Run(const node::Options& options, node::StopFlag& stop,
   if (options.config_path.empty()) {
     throw UsageError("--config: the axes are needed, e.g. robots/rig/virtual_axes.yaml");
   }
-  const config::Section section =
-      config::Section::Load(options.config_path, "sinew-virtual-axes/1");
-  virtual_axes::VirtualAxesFile file = virtual_axes::ReadVirtualAxes(section);
+  auto file = config::Read<virtual_axes::VirtualAxesFile>(
+      config::Section::Load(options.config_path, virtual_axes::kSchema));
   file.axes.seed = options.seed;
   const std::unique_ptr<provider::SimulatedPlant> simulated = MakePlant(file, options, effects);
   provider::SimulatedPlant& plant = *simulated;

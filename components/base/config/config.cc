@@ -181,10 +181,6 @@ double Section::Number(std::string_view key, Range range) const {
   return impl_->ParseNumber(key, impl_->Need(key, RangeText(range)), range);
 }
 
-double Section::NumberOr(std::string_view key, double fallback, Range range) const {
-  return Has(key) ? Number(key, range) : fallback;
-}
-
 std::int64_t Section::Integer(std::string_view key, Range range) const {
   return ToInteger(key, Number(key, range));
 }
@@ -194,10 +190,6 @@ std::int64_t Section::ToInteger(std::string_view key, double number) const {
     Fail(key, "'" + FormatNumber(number) + "', expected a whole number");
   }
   return static_cast<std::int64_t>(number);
-}
-
-std::int64_t Section::IntegerOr(std::string_view key, std::int64_t fallback, Range range) const {
-  return Has(key) ? Integer(key, range) : fallback;
 }
 
 bool Section::BoolOr(std::string_view key, bool fallback) const {
@@ -214,10 +206,6 @@ std::string Section::Text(std::string_view key) const {
   return value.Scalar();
 }
 
-std::string Section::TextOr(std::string_view key, std::string_view fallback) const {
-  return Has(key) ? Text(key) : std::string(fallback);
-}
-
 std::string Section::Choice(std::string_view key, const std::vector<std::string>& allowed) const {
   impl_->Need(key, "one of " + types::Joined(allowed));
   std::string word = Text(key);
@@ -227,22 +215,12 @@ std::string Section::Choice(std::string_view key, const std::vector<std::string>
   return word;
 }
 
-std::string Section::ChoiceOr(std::string_view key, std::string_view fallback,
-                              const std::vector<std::string>& allowed) const {
-  return Has(key) ? Choice(key, allowed) : std::string(fallback);
-}
-
 std::vector<double> Section::Numbers(std::string_view key, Range range) const {
   const YAML::Node value = impl_->Need(key, "a list of numbers");
   if (!value.IsSequence()) Fail(key, "expected a list of numbers");
   std::vector<double> numbers;
   for (const YAML::Node& entry : value) numbers.push_back(impl_->ParseNumber(key, entry, range));
   return numbers;
-}
-
-std::vector<double> Section::NumbersOr(std::string_view key, std::vector<double> fallback,
-                                       Range range) const {
-  return Has(key) ? Numbers(key, range) : std::move(fallback);
 }
 
 std::vector<std::int64_t> Section::Integers(std::string_view key, Range range) const {
@@ -312,10 +290,6 @@ std::vector<Section> Section::List(std::string_view key) const {
     sections.push_back(Section(child));
   }
   return sections;
-}
-
-std::vector<Section> Section::ListOrEmpty(std::string_view key) const {
-  return Has(key) ? List(key) : std::vector<Section>{};
 }
 
 std::vector<std::string> Section::Keys() const {

@@ -1,5 +1,6 @@
-// Strict reading of YAML configuration: every key is asked for, units are in the keys, and whatever
-// is left over is an error. A message is one line: "FILE:LINE: key 'a.b': what is wrong, expected
+// Strict reading of YAML configuration, below fields.h: every key is asked for, units are in the
+// keys, and whatever is left over is an error. A message is one line: "FILE:LINE: key 'a.b': what
+// is wrong, expected
 // ...". Throws UsageError (exit code 2) for everything a user can get wrong. Not for loops: set-up
 // only.
 #pragma once
@@ -46,19 +47,12 @@ class Section {
 
   // Finite and in range. With a unit of time in the key at most a century (types/seconds.h).
   double Number(std::string_view key, Range range = {}) const;
-  double NumberOr(std::string_view key, double fallback, Range range = {}) const;
   std::int64_t Integer(std::string_view key, Range range = {}) const;
-  std::int64_t IntegerOr(std::string_view key, std::int64_t fallback, Range range = {}) const;
   bool BoolOr(std::string_view key, bool fallback) const;
   std::string Text(std::string_view key) const;
-  std::string TextOr(std::string_view key, std::string_view fallback) const;
   // One of the allowed words; the message lists them.
   std::string Choice(std::string_view key, const std::vector<std::string>& allowed) const;
-  std::string ChoiceOr(std::string_view key, std::string_view fallback,
-                       const std::vector<std::string>& allowed) const;
   std::vector<double> Numbers(std::string_view key, Range range = {}) const;
-  std::vector<double> NumbersOr(std::string_view key, std::vector<double> fallback,
-                                Range range = {}) const;
   std::vector<std::int64_t> Integers(std::string_view key, Range range = {}) const;
   std::vector<std::string> TextsOr(std::string_view key, std::vector<std::string> fallback) const;
   // A path; relative ones are relative to this file. Must exist.
@@ -67,7 +61,6 @@ class Section {
   Section Child(std::string_view key) const;  // a mapping; must be there
   Section ChildOrEmpty(std::string_view key) const;
   std::vector<Section> List(std::string_view key) const;  // sequence of mappings; must be there
-  std::vector<Section> ListOrEmpty(std::string_view key) const;
   std::vector<std::string> Keys() const;  // in file order; counts as asking for none
   bool IsScalar(std::string_view key) const;
 

@@ -17,9 +17,7 @@ fs::path PathOf(const config::Section& section, const std::string& text) {
   return path.is_absolute() ? path : section.file().parent_path() / path;
 }
 
-mode_t ReadMode(const config::Section& section) {
-  if (!section.Has("socket_mode")) return kSocketMode;
-  const std::string digits = section.Text("socket_mode");
+mode_t ModeOf(const config::Fields& f, const std::string& digits) {
   std::size_t used = 0;
   unsigned long mode = 01000;
   try {
@@ -27,9 +25,8 @@ mode_t ReadMode(const config::Section& section) {
   } catch (const std::exception&) {
   }
   if (used != digits.size() || mode > 0777 || (mode & 0200) == 0) {
-    section.Fail("socket_mode", "is '" + digits +
-                                    "', expected octal digits that let the owner write, such as "
-                                    "0660");
+    f.Fail("socket_mode",
+           "is '" + digits + "', expected octal digits that let the owner write, such as 0660");
   }
   return static_cast<mode_t>(mode);
 }
@@ -50,31 +47,41 @@ fs::path DefaultLatch(const std::string& name) {
   return StateFolder() / ("estop-" + config::FileNamePart(name) + ".latch");
 }
 
+void Describe(config::Fields& f, Block& c) {
+  f("socket", c.socket, "default, none or a path; left out: default for hardware, none else");
+  f("socket_mode", c.socket_mode, "octal digits");
+  f("latch", c.latch, "the same, of what outlives the process; hardware has one");
+  f("required", c.required, "sinew-estop participants whose heartbeat is awaited");
+}
+
 Config LoadConfig(const config::Section& section, const std::string& name, int domain_id,
                   bool live) {
-  const char* left_out = live ? "default" : "none";
+  Block block;
+  config::Fields f(section);
+  Describe(f, block);
+  const std::string left_out = live ? "default" : "none";
+  const std::string socket = block.socket.value_or(left_out),
+                    latch = block.latch.value_or(left_out);
   Config config;
-  const std::string socket = section.TextOr("socket", left_out);
   if (socket == "default") {
     config.socket = DefaultSocket(name, domain_id);
   } else if (socket != "none") {
     config.socket = PathOf(section, socket);
   }
-  config.socket_mode = ReadMode(section);
-  const std::string latch = section.TextOr("latch", left_out);
+  config.socket_mode = ModeOf(f, block.socket_mode);
   if (latch == "default") {
     config.latch = DefaultLatch(name);
   } else if (latch != "none") {
     config.latch = PathOf(section, latch);
   } else if (live) {
-    section.Fail("latch", "is none, expected a path: the estop of hardware outlives its bridge");
+    f.Fail("latch", "is none, expected a path: the estop of hardware outlives its bridge");
   }
-  for (const std::string& estop : section.TextsOr("required", {})) {
+  for (const std::string& estop : block.required) {
     if (estop.empty() || estop.size() > 64) {
-      section.Fail("required", "holds '" + estop + "', expected a participant's name");
+      f.Fail("required", "holds '" + estop + "', expected a participant's name");
     }
-    config.required.push_back(estop);
   }
+  config.required = block.required;
   section.RejectUnknownKeys();
   return config;
 }

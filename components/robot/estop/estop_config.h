@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "components/base/config/config.h"
+#include "components/base/config/fields.h"
 
 namespace sinew::estop {
 
@@ -31,11 +31,15 @@ std::filesystem::path StateFolder();
 // In it, by the state provider's name, which no other one of this host has (LatchFile::Lock).
 std::filesystem::path DefaultLatch(const std::string& name);
 
-// Keys of an `estop:` block: `socket` and `latch`, each `default`, `none` or a path (relative ones
-// are relative to the file); socket_folder.h has the socket's default; and `socket_mode`, octal
-// digits. Left out: `default` for hardware, `none` for a simulation. `required`: names of
-// sinew-estop participants; none by default. Throws UsageError: hardware without a latch, and what
-// a Section refuses.
+// An `estop:` block as it is written; relative paths are relative to the file.
+struct Block {
+  std::optional<std::string> socket, latch;  // socket_folder.h has the socket's default
+  std::string socket_mode = "0660";          // kSocketMode
+  std::vector<std::string> required;
+};
+void Describe(config::Fields& fields, Block& block);
+
+// Throws UsageError: hardware without a latch, and what a Section refuses.
 Config LoadConfig(const config::Section& section, const std::string& name, int domain_id,
                   bool live);
 

@@ -7,77 +7,67 @@
 
 namespace sinew::body_disturbance {
 
-namespace {
-
-using config::Section;
-
-constexpr std::size_t kLongestName = 64;  // of a link or joint, in sim_body_disturbance
-
-std::array<double, 3> ReadVector(const Section& section, std::string_view key) {
-  const std::vector<double> values = section.Numbers(key);
-  if (values.size() != 3) {
-    section.Fail(key, std::to_string(values.size()) + " numbers, expected x, y, z");
-  }
-  std::array<double, 3> vector{};
-  std::copy(values.begin(), values.end(), vector.begin());
-  return vector;
+// A link or joint, as sim_body_disturbance carries it.
+static void CheckName(const config::Fields& f, std::string_view key, const std::string& name) {
+  constexpr std::size_t kLongest = 64;
+  if (!f.reads() || (!name.empty() && name.size() <= kLongest)) return;
+  f.Fail(key, "'" + name + "', expected a name of 1 to 64 characters");
 }
 
-std::string ReadName(const Section& section, std::string_view key) {
-  std::string name = section.Text(key);
-  if (name.empty() || name.size() > kLongestName) {
-    section.Fail(key, "'" + name + "', expected a name of 1 to 64 characters");
-  }
-  return name;
+// Keys of a payload or push.
+static void DescribePlace(config::Fields& f, std::string& link, std::array<double, 3>& place_m) {
+  f.Need("link", link, "of the URDF");
+  CheckName(f, "link", link);
+  f.Need("place_m", place_m, "in the link's frame");
 }
 
-}  // namespace
-
-Schedule ReadSchedule(const Section& root) {
-  std::vector<Payload> payloads;
-  std::vector<Push> pushes;
-  std::vector<LostDrive> lost_drives;
-  std::vector<LostFriction> lost_frictions;
-  for (const Section& entry : root.List("disturbances")) {
-    Interval when{.at_s = entry.Number("at_s", config::kNotNegative)};
-    if (entry.Has("for_s")) when.until_s = when.at_s + entry.Number("for_s", config::kPositive);
-    if (!entry.Has("payload") && !entry.Has("push") && !entry.Has("lost_drive") &&
-        !entry.Has("lost_friction")) {
-      entry.Fail("at_s", "nothing acts, expected payload, push, lost_drive or lost_friction");
-    }
-    if (entry.Has("lost_drive")) {
-      lost_drives.push_back({.when = when, .joint = ReadName(entry, "lost_drive")});
-    }
-    if (entry.Has("lost_friction")) {
-      lost_frictions.push_back({.when = when, .share = entry.Number("lost_friction", {0.0, 1.0})});
-    }
-    if (entry.Has("payload")) {
-      const Section payload = entry.Child("payload");
-      payloads.push_back({.when = when,
-                          .link = ReadName(payload, "link"),
-                          .mass_kg = payload.Number("mass_kg", config::kPositive),
-                          .place_m = ReadVector(payload, "place_m")});
-    }
-    if (entry.Has("push")) {
-      const Section push = entry.Child("push");
-      pushes.push_back({.when = when,
-                        .link = ReadName(push, "link"),
-                        .force_N = ReadVector(push, "force_N"),
-                        .place_m = ReadVector(push, "place_m")});
-    }
-    entry.RejectUnknownKeys();
+static void DescribeEntry(config::Fields& f, ScheduleParts* parts) {
+  Interval when;
+  std::optional<double> for_s, friction;
+  std::optional<std::string> drive;
+  f.Need("at_s", when.at_s, config::kNotNegative, "since the robot was armed first");
+  f("for_s", for_s, config::kPositive, "left out: to the end of the session");
+  if (for_s) when.until_s = when.at_s + *for_s;
+  const bool payload = f.If("payload", "a mass fixed to a link", [&](config::Fields& g) {
+    Payload& c = parts->payloads.emplace_back();
+    c.when = when;
+    DescribePlace(g, c.link, c.place_m);
+    g.Need("mass_kg", c.mass_kg, config::kPositive, "of the payload");
+  });
+  const bool push = f.If("push", "a force on a link", [&](config::Fields& g) {
+    Push& c = parts->pushes.emplace_back();
+    c.when = when;
+    DescribePlace(g, c.link, c.place_m);
+    g.Need("force_N", c.force_N, "world axes");
+  });
+  f("lost_drive", drive, "joint whose drive has no torque");
+  f("lost_friction", friction, {0.0, 1.0}, "share of the ground's friction that is missing");
+  if (drive) {
+    CheckName(f, "lost_drive", *drive);
+    parts->lost_drives.push_back({.when = when, .joint = *drive});
   }
-  root.RejectUnknownKeys();
+  if (friction) parts->lost_frictions.push_back({.when = when, .share = *friction});
+  f.Require(payload || push || drive || friction, "at_s",
+            "nothing acts, expected payload, push, lost_drive or lost_friction");
+}
+
+void Describe(config::Fields& f, ScheduleParts& parts) {
+  f.NeedList("disturbances", {}, "one of each kind acts at a time",
+             [&](config::Fields& entry) { DescribeEntry(entry, &parts); });
+}
+
+Schedule ReadSchedule(const config::Section& root) {
+  auto parts = config::Read<ScheduleParts>(root);
   try {
-    return Schedule(std::move(payloads), std::move(pushes), std::move(lost_drives),
-                    std::move(lost_frictions));
+    return Schedule(std::move(parts.payloads), std::move(parts.pushes),
+                    std::move(parts.lost_drives), std::move(parts.lost_frictions));
   } catch (const std::invalid_argument& error) {
     root.Fail("disturbances", error.what());
   }
 }
 
 Schedule LoadSchedule(const std::filesystem::path& path) {
-  return ReadSchedule(Section::Load(path, "sinew-body-disturbance/1"));
+  return ReadSchedule(config::Section::Load(path, kSchema));
 }
 
 }  // namespace sinew::body_disturbance

@@ -6,18 +6,21 @@
 #include <string>
 #include <vector>
 
-#include "components/base/config/config.h"
+#include "components/base/config/fields.h"
 #include "sim/surrogate/parameters.h"
 
 namespace sinew::surrogate {
 
+inline constexpr char kSchema[] = "sinew-surrogate/1";
+
+// Every key but `guard`.
+void Describe(config::Fields& fields, RigParameters& rig);
+
 // The file, or an empty section for an empty path.
 config::Section OpenSurrogate(const std::filesystem::path& path);
-// Does not reject what it does not know: the same file has the state provider's `guard` block, so
-// the caller calls RejectUnknownKeys when both were read.
+// The `guard` block of the same file is left to the state provider, which rejects its unknown keys.
 RigParameters ReadRig(const config::Section& section);
-// For programs without a guard: reads the rig and rejects unknown keys, those of the guard
-// excepted.
+// The same of a file.
 RigParameters LoadRig(const std::filesystem::path& path);
 
 // Effects named on the command line take the place of the file's. Throws UsageError.

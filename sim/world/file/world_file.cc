@@ -4,198 +4,179 @@
 #include <memory>
 #include <stdexcept>
 
+#include "components/base/types/joined.h"
 #include "components/bodies/links/file/urdf_file.h"
 #include "components/model/actuator/file/model_file.h"
 #include "components/model/payloads/payloads.h"
 
 namespace sinew::world {
 
-namespace {
+using config::kNotNegative;
+using config::kPositive;
 
-using config::Section;
-
-void ReadPneumatics(const Section& section, plant::PneumaticConfig* pneumatics) {
-  const auto number = [&](const char* key, double* value) {
-    *value = section.NumberOr(key, *value, config::kNotNegative);
-  };
-  pneumatics->chamber_volume_m3 =
-      section.NumberOr("chamber_volume_m3", pneumatics->chamber_volume_m3, config::kPositive);
-  number("reservoir_volume_m3", &pneumatics->reservoir_volume_m3);
-  number("source_pressure_bar", &pneumatics->source_pressure_bar);
-  number("initial_pressure_bar", &pneumatics->initial_pressure_bar);
-  number("valve_conductance_m3_s", &pneumatics->valve_conductance_m3_s);
-  number("leak_conductance_m3_s", &pneumatics->leak_conductance_m3_s);
-  number("vent_conductance_m3_s", &pneumatics->vent_conductance_m3_s);
-  number("compressor_flow_bar_m3_s", &pneumatics->compressor_flow_bar_m3_s);
-  number("compressor_cut_out_bar", &pneumatics->compressor_cut_out_bar);
+static void Describe(config::Fields& f, plant::PneumaticConfig& c) {
+  f("chamber_volume_m3", c.chamber_volume_m3, kPositive, "at the rest angle");
+  f("reservoir_volume_m3", c.reservoir_volume_m3, kNotNegative,
+    "0: the valve leads to a source of constant pressure");
+  f("source_pressure_bar", c.source_pressure_bar, kNotNegative,
+    "reservoir at the start, or the source; gauge");
+  f("initial_pressure_bar", c.initial_pressure_bar, kNotNegative, "of the chamber");
+  f("valve_conductance_m3_s", c.valve_conductance_m3_s, kNotNegative, "open");
+  f("leak_conductance_m3_s", c.leak_conductance_m3_s, kNotNegative, "of the chamber");
+  f("vent_conductance_m3_s", c.vent_conductance_m3_s, kNotNegative, "of the reservoir, open");
+  f("compressor_flow_bar_m3_s", c.compressor_flow_bar_m3_s, kNotNegative, "on");
+  f("compressor_cut_out_bar", c.compressor_cut_out_bar, kNotNegative, "delivers nothing above it");
 }
 
-WorldJointConfig ReadJoint(const Section& section, const actuator::JointModel& model) {
-  WorldJointConfig joint;
-  const bool rotary = model.kind == types::JointKind::kRotary;
-  joint.position_rad = section.NumberOr(rotary ? "position_rad" : "position_m", 0.0);
-  joint.declared_payload_kg = section.NumberOr("declared_payload_kg", 0.0, config::kNotNegative);
-  joint.plant.motor_temperature_degC =
-      section.NumberOr("motor_temperature_degC", 25.0, {-40.0, 200.0});
-  joint.motor_encoder_counts = section.NumberOr("motor_encoder_counts", 0.0, config::kNotNegative);
-  joint.output_encoder_counts =
-      section.NumberOr("output_encoder_counts", 0.0, config::kNotNegative);
-  const Section controller = section.ChildOrEmpty("controller");
-  plant::JointPlantConfig& plant = joint.plant;
-  plant.position_gain_1_s =
-      controller.NumberOr("position_gain_1_s", plant.position_gain_1_s, {0.1, 1000.0});
-  plant.velocity_bandwidth_rad_s = controller.NumberOr(
-      "velocity_bandwidth_rad_s", plant.velocity_bandwidth_rad_s, {0.1, 3000.0});
-  plant.velocity_integral_1_s =
-      controller.NumberOr("velocity_integral_1_s", plant.velocity_integral_1_s, {0.0, 1000.0});
-  const Section teeth = section.ChildOrEmpty("teeth");
-  plant.contact_stiffness_Nm_rad =
-      teeth.NumberOr("stiffness_Nm_rad", plant.contact_stiffness_Nm_rad, config::kPositive);
-  plant.contact_damping_ratio =
-      teeth.NumberOr("damping_ratio", plant.contact_damping_ratio, {0.0, 2.0});
-  joint.has_pneumatics = section.Has("pneumatics");
-  if (joint.has_pneumatics) ReadPneumatics(section.Child("pneumatics"), &joint.pneumatics);
-  section.RejectUnknownKeys();
-  return joint;
+// The keys of a joint beside its name.
+static void Describe(config::Fields& f, WorldJointConfig& c) {
+  plant::JointPlantConfig& plant = c.plant;
+  plant.motor_temperature_degC = 25.0;
+  f("~position_rad", c.position_rad, "at the start, at rest");
+  f("declared_payload_kg", c.declared_payload_kg, kNotNegative, "what the operator declares");
+  f("motor_temperature_degC", plant.motor_temperature_degC, {-40.0, 200.0}, "constant");
+  f("motor_encoder_counts", c.motor_encoder_counts, kNotNegative, "per motor turn; 0: exact");
+  f("output_encoder_counts", c.output_encoder_counts, kNotNegative, "per turn; 0: exact");
+  f.Object("controller", "of the drive", [&](config::Fields& g) {
+    g("position_gain_1_s", plant.position_gain_1_s, {0.1, 1000.0}, "speed per error");
+    g("velocity_bandwidth_rad_s", plant.velocity_bandwidth_rad_s, {0.1, 3000.0}, "of the speed");
+    g("velocity_integral_1_s", plant.velocity_integral_1_s, {0.0, 1000.0}, "of its integral part");
+  });
+  f.Object("teeth", "where the joint has free play", [&](config::Fields& g) {
+    g("stiffness_Nm_rad", plant.contact_stiffness_Nm_rad, kPositive, "at the output");
+    g("damping_ratio", plant.contact_damping_ratio, {0.0, 2.0}, "of their contact");
+  });
+  c.has_pneumatics = f.If("pneumatics", "a chamber with its air supply",
+                          [&](config::Fields& g) { Describe(g, c.pneumatics); });
 }
 
-GroundConfig ReadGround(const Section& section) {
-  GroundConfig ground;
-  ground.height_m = section.NumberOr("height_m", ground.height_m);
-  ground.friction = section.NumberOr("friction", ground.friction, config::kNotNegative);
-  ground.static_load_N = section.NumberOr("static_load_N", ground.static_load_N, config::kPositive);
-  ground.static_sink_m = section.NumberOr("static_sink_m", ground.static_sink_m, config::kPositive);
-  ground.restitution = section.NumberOr("restitution", ground.restitution);
-  ground.impact_speed_m_s =
-      section.NumberOr("impact_speed_m_s", ground.impact_speed_m_s, config::kPositive);
-  ground.tangential_damping_ratio = section.NumberOr(
-      "tangential_damping_ratio", ground.tangential_damping_ratio, config::kNotNegative);
-  if (!(ground.restitution > 0.0 && ground.restitution < 1.0)) {
-    section.Fail("restitution", "expected above 0 and below 1");
-  }
-  return ground;
+static void Describe(config::Fields& f, GroundConfig& c) {
+  f("height_m", c.height_m, "of its surface");
+  f("friction", c.friction, kNotNegative, "mu");
+  f("static_load_N", c.static_load_N, kPositive, "of one contact, robot standing");
+  f("static_sink_m", c.static_sink_m, kPositive, "depth under that load");
+  f("restitution", c.restitution, "at the impact speed; between 0 and 1");
+  f("impact_speed_m_s", c.impact_speed_m_s, kPositive, "where restitution counts");
+  f("tangential_damping_ratio", c.tangential_damping_ratio, kNotNegative, "zeta");
+  f.Require(c.restitution > 0.0 && c.restitution < 1.0, "restitution",
+            "expected above 0 and below 1");
 }
 
-// Keys by unit: "_m_s2", "_rad_s", "_N". What is left out stays as in `errors`.
-SensorErrors ReadErrors(const Section& section, const std::string& unit, SensorErrors errors) {
-  const auto number = [&](const std::string& key, double* value) {
-    *value = section.NumberOr(key, *value, config::kNotNegative);
-  };
-  number("bandwidth_Hz", &errors.bandwidth_Hz);
-  number("noise_density" + unit + "_sqrtHz", &errors.noise_density);
-  number("bias" + unit, &errors.bias);
-  number("scale_error", &errors.scale_error);
-  number("step" + unit, &errors.step);
-  number("range" + unit, &errors.range);
-  section.RejectUnknownKeys();
-  return errors;
+// Keys by unit: "_m_s2", "_rad_s", "_N".
+static void Describe(config::Fields& f, SensorErrors& c, const std::string& unit) {
+  f("bandwidth_Hz", c.bandwidth_Hz, kNotNegative, "of the low pass; 0: none");
+  f("noise_density" + unit + "_sqrtHz", c.noise_density, kNotNegative, "needs a bandwidth");
+  f("bias" + unit, c.bias, kNotNegative, "largest");
+  f("scale_error", c.scale_error, kNotNegative, "largest, below 1");
+  f("step" + unit, c.step, kNotNegative, "of the converter; 0: none");
+  f("range" + unit, c.range, kNotNegative, "largest reading; 0: none");
 }
 
-ImuErrors ReadImuErrors(const Section& section) {
-  ImuErrors errors;
-  if (section.ChoiceOr("part", "none", {"none", "mpu6050"}) == "mpu6050") errors = kMpu6050;
-  errors.force = ReadErrors(section.ChildOrEmpty("force"), "_m_s2", errors.force);
-  errors.rate = ReadErrors(section.ChildOrEmpty("rate"), "_rad_s", errors.rate);
-  section.RejectUnknownKeys();
-  return errors;
+static void Describe(config::Fields& f, ImuErrors& c) {
+  bool part = false;
+  f.Word("part", part, {{"none", false}, {"mpu6050", true}}, "where the values below begin");
+  if (part) c = kMpu6050;
+  f.Object("force", "specific force", [&](config::Fields& g) { Describe(g, c.force, "_m_s2"); });
+  f.Object("rate", "angular velocity", [&](config::Fields& g) { Describe(g, c.rate, "_rad_s"); });
 }
 
-SensorNoise ReadNoise(const Section& section) {
-  SensorNoise noise;
-  noise.seed = static_cast<std::uint64_t>(section.IntegerOr("seed", 1, config::kNotNegative));
-  const auto number = [&](const char* key, double* value) {
-    *value = section.NumberOr(key, 0.0, config::kNotNegative);
-  };
-  number("motor_current_A", &noise.motor_current_A);
-  number("foot_force_N", &noise.foot_force_N);
+static void Describe(config::Fields& f, SensorNoise& c) {
+  f("seed", c.seed, kNotNegative, "of the noise");
+  f("motor_current_A", c.motor_current_A, kNotNegative, "of every reading");
+  f("foot_force_N", c.foot_force_N, kNotNegative, "of each sensor");
   // Beyond this a turn is no small one.
-  noise.orientation_rad = section.NumberOr("orientation_rad", 0.0, {0.0, 0.1});
-  number("angular_velocity_rad_s", &noise.angular_velocity_rad_s);
-  number("acceleration_m_s2", &noise.acceleration_m_s2);
-  section.RejectUnknownKeys();
-  return noise;
+  f("orientation_rad", c.orientation_rad, {0.0, 0.1}, "about each axis");
+  f("angular_velocity_rad_s", c.angular_velocity_rad_s, kNotNegative, "per axis");
+  f("acceleration_m_s2", c.acceleration_m_s2, kNotNegative, "per axis");
 }
 
-FloatingBase ReadFloatingBase(const Section& section) {
-  FloatingBase base;
-  for (const std::string& link : section.TextsOr("contacts", {})) {
-    base.contacts.push_back({.link = link});
-  }
-  for (const Section& point : section.ListOrEmpty("contact_points")) {
-    const std::vector<double> at = point.Numbers("point_m");
-    if (at.size() != 3) point.Fail("point_m", "expected x, y and z");
-    base.contacts.push_back({.link = point.Text("link"), .point_m = {at[0], at[1], at[2]}});
-  }
-  base.ground = ReadGround(section.ChildOrEmpty("ground"));
-  base.imu_link = section.TextOr("imu", "");
-  if (section.Has("base_height_m")) base.base_height_m = section.Number("base_height_m");
-  base.start = section.ChoiceOr("start", "upright", {"upright", "at_rest"}) == "at_rest"
-                   ? StartPose::kAtRest
-                   : StartPose::kUpright;
-  base.imu_errors = ReadImuErrors(section.ChildOrEmpty("imu_errors"));
-  base.foot_errors = ReadErrors(section.ChildOrEmpty("foot_errors"), "_N", {});
-  base.noise = ReadNoise(section.ChildOrEmpty("noise"));
-  section.RejectUnknownKeys();
-  return base;
+static void Describe(config::Fields& f, FloatingBase& c) {
+  std::vector<std::string> links;
+  f("contacts", links,
+    "links; the first eight contacts are the force sensors of the feet, right 0-3, left 4-7 "
+    "(idl/sensors.idl), further ones have no sensor");
+  for (const std::string& link : links) c.contacts.push_back({.link = link});
+  f.List("contact_points", {}, "the same for a URDF without such links; they follow the contacts",
+         [&](config::Fields& g) {
+           ContactFrame& contact = c.contacts.emplace_back();
+           std::array<double, 3> point_m{};
+           g.Need("link", contact.link, "of the URDF");
+           g.Need("point_m", point_m, "in the link's frame");
+           contact.point_m = {point_m[0], point_m[1], point_m[2]};
+         });
+  f("ground", c.ground, "sim/world/contact.h");
+  f("imu", c.imu_link, "link fixed to the base; no IMU when left out");
+  f("base_height_m", c.base_height_m,
+    "of the base link's origin; left out: the contacts carry the weight");
+  f.Word("start", c.start, {{"upright", StartPose::kUpright}, {"at_rest", StartPose::kAtRest}},
+         "passive joints at 0, or so that contacts and springs carry the weight "
+         "(sim/world/rest_pose.h)");
+  f("imu_errors", c.imu_errors, "sim/world/sensor_errors.h; left out: an ideal IMU");
+  f.Object("foot_errors", "the same of the feet",
+           [&](config::Fields& g) { Describe(g, c.foot_errors, "_N"); });
+  f("noise", c.noise, "standard deviations of white noise; left out: 0");
 }
 
-}  // namespace
+static void DescribeJoints(config::Fields& f, WorldConfig* c) {
+  const auto& models = c->model.joints;
+  c->joints.resize(models.size());
+  std::vector<std::string> seen;
+  f.List("joints", {}, "by name; joints left out start at 0", [&](config::Fields& g) {
+    std::string name;
+    WorldJointConfig joint;
+    g.Need("name", name, "of the model");
+    const auto found = std::find_if(models.begin(), models.end(),
+                                    [&](const auto& model) { return model.name == name; });
+    if (g.reads() && found == models.end()) {
+      std::vector<std::string> known;
+      for (const auto& model : models) known.push_back(model.name);
+      g.Fail("name", "'" + name + "', expected a joint of the model: " + types::Joined(known));
+    }
+    if (std::count(seen.begin(), seen.end(), name) > 0) {
+      g.Fail("name", "'" + name + "' is given twice");
+    }
+    seen.push_back(name);
+    g.set_linear(g.reads() && found->kind == types::JointKind::kLinear);
+    Describe(g, joint);
+    if (g.reads()) c->joints[static_cast<std::size_t>(found - models.begin())] = joint;
+  });
+}
+
+void Describe(config::Fields& f, WorldFile& file, const std::filesystem::path& model_path,
+              const std::filesystem::path& urdf_path) {
+  std::filesystem::path model;
+  WorldConfig& c = file.config;
+  f.PathOr("model", model, model_path,
+           "any model file, also one that close-loop wrote, or a rig.json", model_path.empty());
+  f.PathOr("urdf", file.urdf, urdf_path, "of the robot", urdf_path.empty());
+  if (f.reads()) {
+    c.model = actuator::LoadRobotModel(model);
+    try {
+      c.chain = arm::WithPayloads(arm::ParseUrdf(config::ReadFile(file.urdf), file.urdf.string()),
+                                  c.model.payloads);
+    } catch (const std::invalid_argument& error) {
+      throw UsageError(model.string() + ": " + error.what());
+    }
+  }
+  f("floating_base", file.floating_base, "of a robot that stands on the ground");
+  const auto loose = std::find_if(c.model.joints.begin(), c.model.joints.end(),
+                                  [](const auto& joint) { return joint.backlash_rad > 0.0; });
+  const bool has_play = loose != c.model.joints.end();
+  if (file.floating_base && f.reads() && !has_play) c.substep_s = kRobotSubstep_s;
+  f("substep_s", c.substep_s, {1e-6, 1e-2},
+    "at most 1e-4 where a joint has free play; 2.5e-4 on a floating base without any");
+  DescribeJoints(f, &c);
+  f.Others({"guard"});
+  if (has_play && c.substep_s > 1e-4) {
+    f.Fail("substep_s", "joint '" + loose->name + "' has free play, expected at most 1e-4");
+  }
+}
 
 WorldFile LoadWorldFile(const std::filesystem::path& path, const std::filesystem::path& model_path,
                         const std::filesystem::path& urdf_path) {
-  const Section root = Section::Load(path, "sinew-world/1");
-  WorldFile file;
-  const auto chosen = [&](const char* key, const std::filesystem::path& instead) {
-    return instead.empty() ? root.ExistingPath(key) : instead;
-  };
-  const std::filesystem::path model = chosen("model", model_path);
-  file.config.model = actuator::LoadRobotModel(model);
-  file.urdf = chosen("urdf", urdf_path);
-  try {
-    file.config.chain =
-        arm::WithPayloads(arm::ParseUrdf(config::ReadFile(file.urdf), file.urdf.string()),
-                          file.config.model.payloads);
-  } catch (const std::invalid_argument& error) {
-    throw UsageError(model.string() + ": " + error.what());
-  }
-  const auto& models = file.config.model.joints;
-  const bool has_play = std::any_of(models.begin(), models.end(),
-                                    [](const auto& joint) { return joint.backlash_rad > 0.0; });
-  if (root.Has("floating_base")) file.floating_base = ReadFloatingBase(root.Child("floating_base"));
-  file.config.substep_s = root.NumberOr(
-      "substep_s", file.floating_base && !has_play ? kRobotSubstep_s : WorldConfig{}.substep_s,
-      {1e-6, 1e-2});
+  const config::Section root = config::Section::Load(path, kSchema);
+  auto file = config::Read<WorldFile>(root, model_path, urdf_path);
   file.guard = root.ChildOrEmpty("guard");
-  file.config.joints.resize(models.size());
-  std::vector<bool> seen(models.size());
-  for (const Section& section : root.ListOrEmpty("joints")) {
-    const std::string name = section.Text("name");
-    const auto found = std::find_if(models.begin(), models.end(),
-                                    [&](const auto& joint) { return joint.name == name; });
-    if (found == models.end()) {
-      std::string known;
-      for (const auto& joint : models) known += (known.empty() ? "" : ", ") + joint.name;
-      section.Fail("name", "'" + name + "', expected a joint of the model: " + known);
-    }
-    const auto at = static_cast<std::size_t>(found - models.begin());
-    if (seen[at]) section.Fail("name", "'" + name + "' is given twice");
-    seen[at] = true;
-    file.config.joints[at] = ReadJoint(section, *found);
-  }
-  for (std::size_t j = 0; j < models.size(); ++j) {
-    if (models[j].backlash_rad > 0.0 && file.config.substep_s > 1e-4) {
-      root.Fail("substep_s", "joint '" + models[j].name + "' has free play, expected at most 1e-4");
-    }
-  }
-  // The guard's keys are asked for by their owner; here only its name is known.
-  const std::vector<std::string> known = {"schema", "urdf",   "model",        "substep_s",
-                                          "guard",  "joints", "floating_base"};
-  for (const std::string& key : root.Keys()) {
-    if (std::find(known.begin(), known.end(), key) != known.end()) continue;
-    std::string list;
-    for (const std::string& name : known) list += (list.empty() ? "" : ", ") + name;
-    root.Fail(key, "unknown, expected one of " + list);
-  }
   return file;
 }
 

@@ -1,6 +1,6 @@
 // Configuration of the simulated robot, `schema: sinew-world/1`.
 //
-// docs/formats.md lists the keys. With the section `floating_base` the robot stands on the ground
+// With the section `floating_base` the robot stands on the ground
 // (FloatingRobot), without it the base is fixed (World). Without `substep_s`: kRobotSubstep_s on a
 // floating base whose joints have no free play, else 1e-4.
 //
@@ -16,12 +16,14 @@
 #include <string>
 #include <vector>
 
-#include "components/base/config/config.h"
+#include "components/base/config/fields.h"
 #include "components/robot/provider/simulated_plant.h"
 #include "sim/world/floating_robot.h"
 #include "sim/world/world.h"
 
 namespace sinew::world {
+
+inline constexpr char kSchema[] = "sinew-world/1";
 
 // What FloatingRobotConfig has beside WorldConfig.
 struct FloatingBase {
@@ -43,6 +45,8 @@ struct WorldFile {
   config::Section guard = config::Section::Empty("");  // for provider::LoadGuardConfig
 };
 
+void Describe(config::Fields& fields, WorldFile& file, const std::filesystem::path& model_path = {},
+              const std::filesystem::path& urdf_path = {});
 // model_path, urdf_path: used instead of the file's own when they are not empty.
 WorldFile LoadWorldFile(const std::filesystem::path& path,
                         const std::filesystem::path& model_path = {},

@@ -45,13 +45,13 @@ const std::string kBodyNodes = R"(body_nodes:
 
 bridge::BridgeFile ReadMap(const std::string& more) {
   const auto section = config::Section::Parse(kJointMap + more, "map.yaml", "sinew-can-bridge/1");
-  bridge::BridgeFile file = bridge::ReadBridge(section);
+  bridge::BridgeFile file = config::Read<bridge::BridgeFile>(section);
   section.RejectUnknownKeys();
   return file;
 }
 
 virtual_axes::VirtualAxesFile ReadAxesFile(const std::string& more) {
-  return virtual_axes::ReadVirtualAxes(
+  return config::Read<virtual_axes::VirtualAxesFile>(
       config::Section::Parse(kVirtualAxes + more, "axes.yaml", "sinew-virtual-axes/1"));
 }
 

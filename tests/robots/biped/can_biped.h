@@ -37,13 +37,13 @@ class CanBiped {
 
   explicit CanBiped(double rate_Hz = 240.0)
       : period_ns_(std::llround(1e9 / rate_Hz)),
-        axes_file_(virtual_axes::ReadVirtualAxes(
+        axes_file_(config::Read<virtual_axes::VirtualAxesFile>(
             config::Section::Load(kBipedFiles + "virtual_axes.yaml", "sinew-virtual-axes/1"))),
         robot_(world::MakeWorld(WithoutSensorErrors(world::LoadWorldFile(axes_file_.world_path)),
                                 "world.yaml")),
         reference_(reference::LoadReference(kBipedFiles + "reference_benchmark.yaml")) {
     const auto map = config::Section::Load(kBipedFiles + "can_bridge.yaml", "sinew-can-bridge/1");
-    bridge_ = bridge::ReadBridge(map);
+    bridge_ = config::Read<bridge::BridgeFile>(map);
     provider::CycleConfig config;
     config.guard = provider::LoadGuardConfig(map.ChildOrEmpty("guard"));
     map.RejectUnknownKeys();

@@ -371,7 +371,7 @@ TEST_F(DeploymentTest, AMissingFileIsNamed) {
 
 TEST_F(DeploymentTest, AnEmptyListIsRefused) {
   EXPECT_THAT(ErrorOf("schema: sinew-deployment/1\nprocesses: []\n"),
-              HasSubstr("at least one process"));
+              HasSubstr("expected 1 or more"));
 }
 
 struct BadOverride {

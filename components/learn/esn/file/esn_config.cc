@@ -3,86 +3,79 @@
 #include <stdexcept>
 #include <string>
 
-#include "components/base/config/config.h"
 #include "components/bodies/links/file/urdf_file.h"
 #include "components/learn/esn/file/weights_file.h"
 #include "components/model/actuator/file/model_file.h"
 #include "components/model/payloads/payloads.h"
 
 namespace sinew::esn {
-namespace {
-
-constexpr std::string_view kSchema = "sinew-esn-participant/1";
-
-InverseDynamicsConfig ReadInverseDynamics(const config::Section& s,
-                                          const std::filesystem::path& model) {
-  InverseDynamicsConfig config;
-  const std::filesystem::path named = s.ExistingPath("model");
-  config.robot = actuator::LoadRobotModel(model.empty() ? named : model);
-  config.smoothing_rad_s = s.NumberOr("smoothing_rad_s", config.smoothing_rad_s, config::kPositive);
-  if (s.ChoiceOr("state", "reference", {"reference", "measured"}) == "measured") {
-    config.state = MotionState::kMeasured;
-  }
-  const config::Section feedback = s.ChildOrEmpty("feedback");
-  config.proportional_1_s2 = feedback.NumberOr("proportional_1_s2", 0.0, config::kNotNegative);
-  config.derivative_1_s = feedback.NumberOr("derivative_1_s", 0.0, config::kNotNegative);
-  feedback.RejectUnknownKeys();
-  config.stance = ReadStance(s, config.robot);
-  return config;
+// Sets the stand-in from the model file, or from `model` in its place.
+static void Describe(config::Fields& f, InverseDynamicsConfig& c,
+                     const std::filesystem::path& model) {
+  std::filesystem::path named;
+  f.Need("model", named, "model file");
+  if (f.reads()) c.robot = actuator::LoadRobotModel(model.empty() ? named : model);
+  f("smoothing_rad_s", c.smoothing_rad_s, config::kPositive, "dry friction turns over it");
+  f.Word("state", c.state,
+         {{"reference", MotionState::kReference}, {"measured", MotionState::kMeasured}},
+         "whose position and velocity count");
+  f.Object("feedback", "added to the reference's acceleration", [&](config::Fields& feedback) {
+    feedback("proportional_1_s2", c.proportional_1_s2, config::kNotNegative,
+             "times the error of position");
+    feedback("derivative_1_s", c.derivative_1_s, config::kNotNegative, "times that of velocity");
+  });
+  c.stance = DescribeStance(f, c.robot);
 }
 
-}  // namespace
-
-std::optional<StanceConfig> ReadStance(const config::Section& s,
-                                       const actuator::RobotModel& robot) {
-  if (s.ChoiceOr("stance", "none", {"none", "double"}) == "none") return std::nullopt;
-  const std::filesystem::path urdf = s.ExistingPath("urdf");
+std::optional<StanceConfig> DescribeStance(config::Fields& f, const actuator::RobotModel& robot) {
+  bool on_both = false;
+  std::filesystem::path urdf;
+  const auto stands =
+      f.Word("stance", on_both, {{"none", false}, {"double", true}},
+             "double: the rigid bodies of a biped on both soles are part of the balance");
+  if (const auto both = stands.Is({"double"})) f.Need("urdf", urdf, "of these bodies");
+  if (!f.reads() || !on_both) return std::nullopt;
   StanceConfig stance;
   try {
     stance.chain =
         arm::WithPayloads(arm::ParseUrdf(config::ReadFile(urdf), urdf.string()), robot.payloads);
   } catch (const std::invalid_argument& error) {
-    s.Fail("model", error.what());
+    f.Fail("model", error.what());
   }
   return stance;
 }
 
-std::optional<Weights> LoadWeightsFor(const config::Section& s, const char* key,
-                                      const std::filesystem::path& given) {
-  // Asked for in any case, so that the key counts as known; the file need not exist when another is
-  // given.
-  const bool in_file = s.Has(key);
-  if (!given.empty()) {
-    if (in_file) (void)s.Text(key);
-    return LoadWeights(given);
+std::optional<Weights> DescribeWeights(config::Fields& f, const char* key,
+                                       const std::filesystem::path& given) {
+  std::filesystem::path path;
+  f.PathOr(key, path, given, "weights, schema sinew-esn/1; one of the two at least");
+  return path.empty() ? std::nullopt : std::optional(LoadWeights(path));
+}
+
+void Describe(config::Fields& f, EsnConfig& c, const WeightsPaths& given,
+              const std::filesystem::path& model) {
+  using Mode = EsnConfig::Mode;
+  const auto mode = f.Word(
+      "mode", c.mode, {{"network", Mode::kNetwork}, {"inverse_dynamics", Mode::kInverseDynamics}},
+      "echo state networks, or the stand-in from a model file");
+  if (const auto network = mode.Is({"network"})) {
+    c.sea = DescribeWeights(f, "sea_weights", given.sea);
+    c.pea = DescribeWeights(f, "pea_weights", given.pea);
+    f("adaptation", c.adaptation, "waits for the readout of the tick before: needs sinew-rls");
+    f.Require(c.sea || c.pea, "mode", "network, expected sea_weights or pea_weights or both");
   }
-  if (!in_file) return std::nullopt;
-  return LoadWeights(s.ExistingPath(key));
+  if (const auto inverse = mode.Is({"inverse_dynamics"})) Describe(f, c.inverse_dynamics, model);
 }
 
 EsnConfig LoadEsnConfig(const std::filesystem::path& path, const WeightsPaths& given,
                         const std::filesystem::path& model) {
   if (path.empty() && given.sea.empty() && given.pea.empty()) {
-    throw UsageError("--config: missing, expected a file of schema " + std::string(kSchema) +
+    throw UsageError("--config: missing, expected a file of schema " + std::string(kEsnSchema) +
                      ", or --sea-weights or --pea-weights");
   }
-  const config::Section s = path.empty() ? config::Section::Empty("the command line")
-                                         : config::Section::Load(path, kSchema);
-  EsnConfig config;
-  const std::string mode = s.ChoiceOr("mode", "network", {"network", "inverse_dynamics"});
-  if (mode == "network") {
-    config.mode = EsnConfig::Mode::kNetwork;
-    config.sea = LoadWeightsFor(s, "sea_weights", given.sea);
-    config.pea = LoadWeightsFor(s, "pea_weights", given.pea);
-    if (!config.sea && !config.pea)
-      s.Fail("mode", "network, expected sea_weights or pea_weights or both");
-    config.adaptation = s.BoolOr("adaptation", false);
-  } else {
-    config.mode = EsnConfig::Mode::kInverseDynamics;
-    config.inverse_dynamics = ReadInverseDynamics(s, model);
-  }
-  s.RejectUnknownKeys();
-  return config;
+  return config::Read<EsnConfig>(path.empty() ? config::Section::Empty("the command line")
+                                              : config::Section::Load(path, kEsnSchema),
+                                 given, model);
 }
 
 }  // namespace sinew::esn

@@ -4,11 +4,13 @@
 #include <filesystem>
 #include <optional>
 
-#include "components/base/config/config.h"
+#include "components/base/config/fields.h"
 #include "components/learn/esn/inverse_dynamics.h"
 #include "components/learn/esn/weights.h"
 
 namespace sinew::esn {
+
+inline constexpr char kEsnSchema[] = "sinew-esn-participant/1";
 
 struct EsnConfig {
   enum class Mode { kNetwork, kInverseDynamics };
@@ -27,13 +29,16 @@ struct WeightsPaths {
 };
 
 // The weights that a key names, or those given instead; nothing: neither. Throws UsageError.
-std::optional<Weights> LoadWeightsFor(const config::Section& section, const char* key,
-                                      const std::filesystem::path& given);
+std::optional<Weights> DescribeWeights(config::Fields& fields, const char* key,
+                                       const std::filesystem::path& given);
 
 // Keys `stance` (none, double) and `urdf`; the bodies carry the robot's payloads. Throws
 // UsageError.
-std::optional<StanceConfig> ReadStance(const config::Section& section,
-                                       const actuator::RobotModel& robot);
+std::optional<StanceConfig> DescribeStance(config::Fields& fields,
+                                           const actuator::RobotModel& robot);
+
+void Describe(config::Fields& fields, EsnConfig& config, const WeightsPaths& given = {},
+              const std::filesystem::path& model = {});
 
 // path may be empty when weights are given. model: of inverse dynamics, in place of the one that
 // the file names; empty: that one. Throws UsageError: file, line, key, expected.

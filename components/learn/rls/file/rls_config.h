@@ -12,6 +12,8 @@
 
 namespace sinew::rls {
 
+inline constexpr char kSchema[] = "sinew-rls-participant/1";
+
 // Where the drive torque comes from.
 enum class TorqueFrom {
   kMeasured,  // the model's drive terms at the measured current (or voltage)
@@ -27,6 +29,7 @@ struct RlsConfig {
   AdapterConfig adapter;
 };
 
+void Describe(config::Fields& fields, RlsConfig& config, const esn::WeightsPaths& given = {});
 // Throws UsageError: file, line, key, expected.
 RlsConfig LoadRlsConfig(const std::filesystem::path& path, const esn::WeightsPaths& given = {});
 

@@ -14,9 +14,9 @@ namespace sinew::actuator {
 
 namespace {
 
+using config::kNotNegative;
+using config::kPositive;
 using config::Section;
-
-constexpr std::string_view kSchema = "sinew-model/1";
 
 // "About 5-15 % off": the rms of what lies evenly between the two, sqrt((15^3 - 5^3) / 30) = 10.4
 // %.
@@ -29,69 +29,108 @@ std::string Number(double value) {
   return std::string(text, result.ptr);
 }
 
-ParameterValue ReadParameter(const Section& term, const effects::EffectInfo& effect,
-                             const effects::ParameterInfo& info, types::JointKind kind) {
+// A key of that name with another unit, or none.
+[[noreturn]] void FailMissing(const Section& term, const effects::EffectInfo& effect,
+                              const effects::ParameterInfo& info, types::JointKind kind) {
   const std::string key = effects::ParameterKey(info, kind);
-  if (!term.Has(key) && info.optional) {
-    return {.value = info.default_value, .half_width_95 = std::nullopt};
-  }
-  if (!term.Has(key)) {
-    std::set<std::string> right_keys;
-    for (const auto& other : effect.linear) right_keys.insert(effects::ParameterKey(other, kind));
-    for (const auto& other : effect.nonlinear)
-      right_keys.insert(effects::ParameterKey(other, kind));
-    for (const std::string& other : term.Keys()) {
-      const bool same_name = other == info.name || other.starts_with(info.name + "_");
-      if (same_name && !right_keys.contains(other)) {
-        term.Fail(other, "wrong unit, expected '" + key + "' (" + info.meaning + ")");
-      }
+  std::set<std::string> right_keys;
+  for (const auto& other : effect.linear) right_keys.insert(effects::ParameterKey(other, kind));
+  for (const auto& other : effect.nonlinear) right_keys.insert(effects::ParameterKey(other, kind));
+  for (const std::string& other : term.Keys()) {
+    const bool same_name = other == info.name || other.starts_with(info.name + "_");
+    if (same_name && !right_keys.contains(other)) {
+      term.Fail(other, "wrong unit, expected '" + key + "' (" + info.meaning + ")");
     }
-    term.Fail(key,
-              "missing, expected a number or {value, tolerance, fixed} (" + info.meaning + ")");
   }
-  ParameterValue parameter;
-  if (term.IsScalar(key)) {
-    parameter.value = term.Number(key);
-    return parameter;
-  }
-  const Section child = term.Child(key);
-  parameter.value = child.Number("value");
-  if (child.Has("tolerance") && !child.IsScalar("tolerance")) {
-    parameter.tolerance_absolute = child.Child("tolerance").Number("absolute", config::kPositive);
-  } else {
-    parameter.tolerance = child.NumberOr("tolerance", 0.0, {0.0, 10.0});
-  }
-  parameter.fixed = child.BoolOr("fixed", false);
-  if (child.Has("half_width_95")) {
-    parameter.half_width_95 = child.Number("half_width_95", config::kNotNegative);
-  }
-  return parameter;
+  term.Fail(key, "missing, expected a number or {value, tolerance, fixed} (" + info.meaning + ")");
 }
 
-Term ReadTerm(const Section& section, const JointModel& joint) {
-  const std::string name = section.Text("effect");
-  Term term;
-  std::optional<effects::Balance> balance;
-  if (section.Has("balance")) {
-    const std::string given = section.Choice("balance", {"motion", "kinematic", "gas"});
-    for (const effects::Balance known :
-         {effects::Balance::kMotion, effects::Balance::kKinematic, effects::Balance::kGas}) {
-      if (given == effects::BalanceName(known)) balance = known;
+ParameterValue DescribeParameter(config::Fields& f, const std::string& key,
+                                 const effects::ParameterInfo& info, bool needed) {
+  ParameterValue c{.value = info.default_value, .half_width_95 = std::nullopt};
+  const auto body = [&c](config::Fields& g) {
+    g.Need("value", c.value, "of the parameter");
+    g.NumberOr(
+        "tolerance", c.tolerance, {0.0, 10.0},
+        "standard deviation before the fit: share of the value, or {absolute: in its unit}",
+        [&c](config::Fields& h) {
+          h.Need("absolute", c.tolerance_absolute, kPositive, "in the key's unit");
+        },
+        false);
+    g("fixed", c.fixed, "known exactly, never refitted");
+    g("half_width_95", c.half_width_95, kNotNegative, "of the last fit");
+  };
+  f.NumberOr(key, c.value, {}, info.meaning, body, needed);
+  return c;
+}
+
+std::vector<ParameterValue> DescribeParameters(config::Fields& f, const effects::EffectInfo& effect,
+                                               const std::vector<effects::ParameterInfo>& infos,
+                                               types::JointKind kind) {
+  std::vector<ParameterValue> values;
+  for (const effects::ParameterInfo& info : infos) {
+    const std::string key = effects::ParameterKey(info, kind);
+    if (f.reads() && !info.optional && !f.section().Has(key)) {
+      FailMissing(f.section(), effect, info, kind);
+    }
+    values.push_back(DescribeParameter(f, key, info, f.reads() && !info.optional));
+  }
+  return values;
+}
+
+// The effects of the catalogue, each with its parameters in the units of both kinds of joint.
+void DescribeCatalogue(config::Fields& f, const JointModel& joint) {
+  const auto effect = f.NeedWord("effect", effects::EffectNames(), "`sinew effects`");
+  for (const effects::EffectForm& form : effects::EffectForms()) {
+    const auto is = effect.Is({form.name});
+    const auto made = effects::MakeEffect(form.name, joint.constants, form.balance);
+    for (const auto kind : {types::JointKind::kRotary, types::JointKind::kLinear}) {
+      DescribeParameters(f, made->info(), made->info().linear, kind);
+      DescribeParameters(f, made->info(), made->info().nonlinear, kind);
     }
   }
+}
+
+// The effect belongs to this joint.
+void CheckTerm(const config::Fields& f, const JointModel& joint) {
+  const Term& term = joint.terms.back();
+  const effects::EffectInfo& info = term.effect->info();
+  const bool repeatable = !term.nonlinear.empty();  // two orders of cogging, say
+  if (!repeatable &&
+      joint.Find(info.name, info.balance) != static_cast<int>(joint.terms.size()) - 1) {
+    f.Fail("effect", "'" + info.name + "' is given twice");
+  }
+  if (info.name == "gas_compression" && !(joint.constants.gas_volume_m3 > 0.0)) {
+    f.Fail("effect", "'gas_compression' needs constants.gas_volume_m3, more than 0");
+  }
+  if (info.name == "free_play" && std::abs(term.linear[0].value - joint.backlash_rad) > 1e-9) {
+    f.Fail(effects::ParameterKey(info.linear[0], joint.kind),
+           "expected the joint's backlash, " + Number(joint.backlash_rad));
+  }
+}
+
+void DescribeTerm(config::Fields& f, JointModel* joint) {
+  Term term;
+  std::string name;
+  std::optional<effects::Balance> balance;
+  f.Word("balance", balance,
+         {{"motion", effects::Balance::kMotion},
+          {"kinematic", effects::Balance::kKinematic},
+          {"gas", effects::Balance::kGas}},
+         "of an effect that has several; left out: its first");
+  f("declared", term.declared, "false: added by close-loop");
+  if (!f.reads()) return DescribeCatalogue(f, *joint);
+  f.Need("effect", name, "of the catalogue");
   try {
-    term.effect = effects::MakeEffect(name, joint.constants, balance);
+    term.effect = effects::MakeEffect(name, joint->constants, balance);
   } catch (const std::invalid_argument& error) {
-    section.Fail("effect", error.what());
+    f.Fail("effect", error.what());
   }
-  term.declared = section.BoolOr("declared", true);
-  for (const auto& info : term.effect->info().linear) {
-    term.linear.push_back(ReadParameter(section, term.effect->info(), info, joint.kind));
-  }
-  for (const auto& info : term.effect->info().nonlinear) {
-    term.nonlinear.push_back(ReadParameter(section, term.effect->info(), info, joint.kind));
-  }
-  return term;
+  const effects::EffectInfo& info = term.effect->info();
+  term.linear = DescribeParameters(f, info, info.linear, joint->kind);
+  term.nonlinear = DescribeParameters(f, info, info.nonlinear, joint->kind);
+  joint->terms.push_back(std::move(term));
+  CheckTerm(f, *joint);
 }
 
 std::string GainKey(types::JointKind kind) {
@@ -101,24 +140,20 @@ std::string VelocityGainKey(types::JointKind kind) {
   return kind == types::JointKind::kRotary ? "velocity_gain_s_rad" : "velocity_gain_s_m";
 }
 
-Servo ReadServo(const Section& section, const JointModel& joint) {
-  Servo servo;
-  section.Choice("law", {"proportional"});
-  servo.gain_per_rad = section.NumberOr(GainKey(joint.kind), 0.0, config::kPositive);
-  servo.velocity_gain_s_rad =
-      section.NumberOr(VelocityGainKey(joint.kind), 0.0, config::kNotNegative);
-  servo.limit = section.NumberOr("limit", 0.0, config::kPositive);
-  servo.share_of_supply =
-      section.ChoiceOr("command", "drive", {"drive", "share_of_supply"}) == "share_of_supply";
-  if (servo.gain_per_rad == 0.0 && servo.velocity_gain_s_rad > 0.0) {
-    section.Fail(VelocityGainKey(joint.kind),
-                 "without '" + GainKey(joint.kind) + "', expected both or none");
+void DescribeServo(config::Fields& f, const JointModel& joint, Servo* c) {
+  f.NeedWord("law", {"proportional"}, "clamp(gain (reference - q) - velocity_gain v)");
+  f("~gain_per_rad", c->gain_per_rad, kPositive, "left out: differs between recordings");
+  f("~velocity_gain_s_rad", c->velocity_gain_s_rad, kNotNegative, "with the gain");
+  f("limit", c->limit, kPositive, "of the command; left out: none");
+  f.Word("command", c->share_of_supply, {{"drive", false}, {"share_of_supply", true}},
+         "the drive, or times supply_voltage");
+  if (c->gain_per_rad == 0.0 && c->velocity_gain_s_rad > 0.0) {
+    f.Fail("~velocity_gain_s_rad", "without '" + GainKey(joint.kind) + "', expected both or none");
   }
-  return servo;
 }
 
 // A spring's preload and an offset are the same torque: no recording distinguishes them.
-void RefuseSameTorque(const Section& section, const JointModel& joint) {
+void RefuseSameTorque(const config::Fields& f, const JointModel& joint) {
   int free_terms = 0;
   for (const Term& term : joint.terms) {
     const std::string& name = term.effect->info().name;
@@ -126,121 +161,87 @@ void RefuseSameTorque(const Section& section, const JointModel& joint) {
     if (!term.linear.back().fixed) ++free_terms;  // the preload, the offset
   }
   if (free_terms < 2) return;
-  section.Fail(
-      "terms",
-      "the preload of 'spring' and 'offset' are the same torque, expected one of them with "
-      "fixed: true");
+  f.Fail("terms",
+         "the preload of 'spring' and 'offset' are the same torque, expected one of them with "
+         "fixed: true");
 }
 
 // A force at a linear joint acts along its axis: its lever is 1. 0 is a lever that is not stated,
 // as in files of rotary joints.
-double ReadLever(const Section& constants, types::JointKind kind) {
-  const double stated_m = constants.NumberOr("link_length_m", 0.0, config::kNotNegative);
-  if (kind == types::JointKind::kRotary) return stated_m;
+void DescribeConstants(config::Fields& f, effects::JointConstants* c) {
+  f("gear_ratio", c->gear_ratio, kPositive, "motor turns per output turn");
+  f("link_length_m", c->link_length_m, kNotNegative, "joint axis to load cell and payload");
+  f("gravity_m_s2", c->gravity_m_s2, kNotNegative, "where the robot stands");
+  f("torque_constant_Nm_A", c->torque_constant_Nm_A, kNotNegative, "motor side");
+  f("force_constant_N_V", c->force_constant_N_V, kNotNegative, "drives commanded in volts");
+  f("back_emf_V_s_rad", c->back_emf_V_s_rad, kNotNegative,
+    "motor side; of drives whose voltage lies on the winding");
+  f("encoder_counts_per_turn", c->encoder_counts_per_turn, kNotNegative,
+    "of the coarser encoder at the output; 0: not stated");
+  f("gas_volume_m3", c->gas_volume_m3, kNotNegative, "chamber and all it is joined to");
+  f("atmosphere_bar", c->atmosphere_bar, kPositive, "absolute");
+  f("valve_delay_s", c->valve_delay_s, kNotNegative, "from the command to the flow");
+  const double stated_m = c->link_length_m;
+  if (c->kind == types::JointKind::kRotary) return;
   if (stated_m != 0.0 && stated_m != 1.0) {
-    constants.Fail("link_length_m", "is " + Number(stated_m) +
-                                        ", but a force at a linear joint has no lever, expected "
-                                        "none");
+    f.Fail("link_length_m", "is " + Number(stated_m) +
+                                ", but a force at a linear joint has no lever, expected none");
   }
-  return 1.0;
+  c->link_length_m = 1.0;
 }
 
-JointModel ReadJoint(const Section& section) {
-  JointModel joint;
-  joint.name = section.Text("name");
-  joint.kind = section.Choice("kind", {"rotary", "linear"}) == "rotary" ? types::JointKind::kRotary
-                                                                        : types::JointKind::kLinear;
-  const Section constants = section.ChildOrEmpty("constants");
-  joint.constants.gear_ratio = constants.NumberOr("gear_ratio", 1.0, config::kPositive);
+void DescribeJoint(config::Fields& f, JointModel& joint) {
+  f.Need("name", joint.name, "as in the topics");
+  f.NeedWord("kind", joint.kind,
+             {{"rotary", types::JointKind::kRotary}, {"linear", types::JointKind::kLinear}},
+             "units of the keys follow");
   joint.constants.kind = joint.kind;
-  joint.constants.link_length_m = ReadLever(constants, joint.kind);
-  joint.constants.gravity_m_s2 = constants.NumberOr("gravity_m_s2", 9.81, config::kNotNegative);
-  joint.constants.torque_constant_Nm_A =
-      constants.NumberOr("torque_constant_Nm_A", 0.0, config::kNotNegative);
-  joint.constants.force_constant_N_V =
-      constants.NumberOr("force_constant_N_V", 0.0, config::kNotNegative);
-  joint.constants.back_emf_V_s_rad =
-      constants.NumberOr("back_emf_V_s_rad", 0.0, config::kNotNegative);
-  joint.constants.encoder_counts_per_turn =
-      constants.NumberOr("encoder_counts_per_turn", 0.0, config::kNotNegative);
-  joint.constants.gas_volume_m3 = constants.NumberOr("gas_volume_m3", 0.0, config::kNotNegative);
-  joint.constants.atmosphere_bar =
-      constants.NumberOr("atmosphere_bar", joint.constants.atmosphere_bar, config::kPositive);
-  joint.constants.valve_delay_s = constants.NumberOr("valve_delay_s", 0.0, config::kNotNegative);
-  joint.backlash_rad = section.NumberOr(
-      joint.kind == types::JointKind::kRotary ? "backlash_rad" : "backlash_m", 0.0, {0.0, 6.3});
-  joint.motor_torque_limit_Nm =
-      section.NumberOr("motor_torque_limit_Nm", 0.0, config::kNotNegative);
-  for (const Section& term : section.List("terms")) {
-    joint.terms.push_back(ReadTerm(term, joint));
-    const effects::EffectInfo& info = joint.terms.back().effect->info();
-    const bool repeatable = !joint.terms.back().nonlinear.empty();  // two orders of cogging, say
-    if (!repeatable &&
-        joint.Find(info.name, info.balance) != static_cast<int>(joint.terms.size()) - 1) {
-      term.Fail("effect", "'" + info.name + "' is given twice");
-    }
-    if (info.name == "gas_compression" && !(joint.constants.gas_volume_m3 > 0.0)) {
-      term.Fail("effect", "'gas_compression' needs constants.gas_volume_m3, more than 0");
-    }
-    if (info.name == "free_play" &&
-        std::abs(joint.terms.back().linear[0].value - joint.backlash_rad) > 1e-9) {
-      term.Fail(effects::ParameterKey(info.linear[0], joint.kind),
-                "expected the joint's backlash, " + Number(joint.backlash_rad));
-    }
-  }
-  RefuseSameTorque(section, joint);
-  if (joint.terms.empty()) section.Fail("terms", "empty, expected at least one effect");
-  if (section.Has("controller")) joint.controller = ReadServo(section.Child("controller"), joint);
-  for (const Section& entry : section.ListOrEmpty("history")) {
-    joint.history.push_back({entry.TextOr("when", ""), entry.TextOr("effect", ""),
-                             entry.TextOr("recording", ""), entry.TextOr("note", "")});
-  }
+  f.set_linear(joint.kind == types::JointKind::kLinear);
+  f.Object("constants", "known of the machine",
+           [&](config::Fields& g) { DescribeConstants(g, &joint.constants); });
+  f("~backlash_rad", joint.backlash_rad, {0.0, 6.3}, "full width at the output");
+  f("motor_torque_limit_Nm", joint.motor_torque_limit_Nm, kNotNegative, "at the motor shaft");
+  f.NeedList("terms", {1}, "effects of the balance",
+             [&](config::Fields& g) { DescribeTerm(g, &joint); });
+  f.If("controller", "servo of the recordings, for simulating them",
+       [&](config::Fields& g) { DescribeServo(g, joint, &joint.controller.emplace()); });
+  f.List("history", {}, "what close-loop added", [&](config::Fields& g) {
+    HistoryEntry& entry = joint.history.emplace_back();
+    g("when", entry.when, "ISO 8601, UTC");
+    g("effect", entry.effect, "that was added");
+    g("recording", entry.recording, "from which data");
+    g("note", entry.note, "for people");
+  });
+  if (!f.reads()) return;
+  RefuseSameTorque(f, joint);
   RemakeEffects(&joint);
-  return joint;
 }
 
-Payload ReadPayload(const Section& section) {
-  const auto place = [&](const char* key, config::Range range) {
-    const std::vector<double> numbers = section.Numbers(key, range);
-    if (numbers.size() != 3) section.Fail(key, "expected x, y and z");
-    return std::array<double, 3>{numbers[0], numbers[1], numbers[2]};
+void Describe(config::Fields& f, Payload& c) {
+  f.Need("link", c.link, "of the URDF");
+  const auto with_width = [&c](config::Fields& g) {
+    g.Need("value", c.mass_kg, kPositive, "as fitted");
+    g("half_width_95", c.half_width_95, kNotNegative, "of the fit");
   };
-  Payload payload;
-  payload.link = section.Text("link");
-  if (section.IsScalar("mass_kg")) {
-    payload.mass_kg = section.Number("mass_kg", config::kPositive);
-  } else {
-    const Section mass = section.Child("mass_kg");
-    payload.mass_kg = mass.Number("value", config::kPositive);
-    if (mass.Has("half_width_95")) {
-      payload.half_width_95 = mass.Number("half_width_95", config::kNotNegative);
-    }
-  }
-  payload.position_m = place("position_m", {});
-  payload.declared = section.BoolOr("declared", true);
-  if (section.Has("position_half_width_95_m")) {
-    payload.position_half_width_95 = place("position_half_width_95_m", config::kNotNegative);
-  }
-  return payload;
+  f.NumberOr("mass_kg", c.mass_kg, kPositive, "of a point", with_width);
+  f.Need("position_m", c.position_m, "in the link's frame");
+  f("declared", c.declared, "false: added by close-loop");
+  f("position_half_width_95_m", c.position_half_width_95, kNotNegative, "of the fit");
 }
 
-FloatingBase ReadFloatingBase(const Section& section) {
-  FloatingBase base;
-  const std::vector<std::string> links = section.TextsOr("foot_force", {});
-  if (links.size() != base.force_links.size()) {
-    section.Fail("foot_force", std::to_string(links.size()) + " links, expected " +
-                                   std::to_string(base.force_links.size()) +
-                                   ", those of the topic foot_force in its order");
+void Describe(config::Fields& f, FloatingBase& c) {
+  std::vector<std::string> links;
+  f("foot_force", links, "eight links, in the order of the topic");
+  f.Need("imu", c.imu_link, "its link");
+  f("mass_tolerance", c.mass_tolerance, kNotNegative, "of links that move as one: share");
+  f("com_tolerance_m", c.com_tolerance_m, kNotNegative, "of their centre of mass");
+  f("tilt_tolerance_rad", c.tilt_tolerance_rad, kNotNegative, "of the IMU against the base");
+  if (f.reads() && links.size() != c.force_links.size()) {
+    f.Fail("foot_force", std::to_string(links.size()) + " links, expected " +
+                             std::to_string(c.force_links.size()) +
+                             ", those of the topic foot_force in its order");
   }
-  std::copy(links.begin(), links.end(), base.force_links.begin());
-  base.imu_link = section.Text("imu");
-  base.mass_tolerance =
-      section.NumberOr("mass_tolerance", base.mass_tolerance, config::kNotNegative);
-  base.com_tolerance_m =
-      section.NumberOr("com_tolerance_m", base.com_tolerance_m, config::kNotNegative);
-  base.tilt_tolerance_rad =
-      section.NumberOr("tilt_tolerance_rad", base.tilt_tolerance_rad, config::kNotNegative);
-  return base;
+  std::copy(links.begin(), links.end(), c.force_links.begin());
 }
 
 std::string Quoted(const std::string& text) {
@@ -356,6 +357,26 @@ void WriteFloatingBase(std::string& out, const FloatingBase& base) {
 
 }  // namespace
 
+void Describe(config::Fields& f, RobotModel& c) {
+  std::optional<std::filesystem::path> urdf;
+  f.Need("name", c.name, "of the robot");
+  f("urdf", urdf, "of the robot, relative to this file");
+  if (urdf) c.urdf_path = std::filesystem::absolute(*urdf).lexically_normal();
+  f.NeedList("joints", {1}, "in the order of the topics", [&](config::Fields& g) {
+    JointModel joint;
+    DescribeJoint(g, joint);
+    for (const JointModel& other : c.joints) {
+      g.Require(other.name != joint.name, "name", "'" + joint.name + "' is given twice");
+    }
+    c.joints.push_back(std::move(joint));
+  });
+  f.List("payloads", {}, "point masses that the URDF lacks",
+         [&](config::Fields& g) { Describe(g, c.payloads.emplace_back()); });
+  f.If("floating_base", "the robot stands on two feet",
+       [&](config::Fields& g) { Describe(g, c.floating_base.emplace()); });
+  f.Others({"processing", "as_published", "data_gate"});
+}
+
 ModelFile LoadModelFile(const std::filesystem::path& path) {
   if (path.extension() == ".json") {
     ModelFile file;
@@ -366,33 +387,14 @@ ModelFile LoadModelFile(const std::filesystem::path& path) {
   const std::string text = config::ReadFile(path);
   ModelFile file;
   file.root = Section::Parse(text, path.string(), kSchema);
-  const Section& root = file.root;
-  file.robot.name = root.Text("name");
-  if (root.Has("urdf")) {
-    file.robot.urdf_path = std::filesystem::absolute(root.ExistingPath("urdf")).lexically_normal();
-  }
-  std::set<std::string> names;
-  for (const Section& joint : root.List("joints")) {
-    file.robot.joints.push_back(ReadJoint(joint));
-    if (!names.insert(file.robot.joints.back().name).second) {
-      joint.Fail("name", "'" + file.robot.joints.back().name + "' is given twice");
-    }
-  }
-  for (const Section& payload : root.ListOrEmpty("payloads")) {
-    file.robot.payloads.push_back(ReadPayload(payload));
-  }
-  if (root.Has("floating_base")) {
-    file.robot.floating_base = ReadFloatingBase(root.Child("floating_base"));
-  }
-  if (file.robot.joints.empty()) root.Fail("joints", "empty, expected at least one joint");
+  file.robot = config::Read<RobotModel>(file.root);
   const YAML::Node document = config::ParseYaml(text, path.string());
   for (const std::string_view block : kForeignBlocks) {
-    if (!root.Has(block)) continue;  // Has() also marks the key as known
+    if (!file.root.Has(block)) continue;
     YAML::Emitter out;
     out << document[std::string(block)];
     file.foreign_text[std::string(block)] = out.c_str();
   }
-  root.RejectUnknownKeys();
   return file;
 }
 

@@ -4,9 +4,14 @@
 #include <filesystem>
 #include <string>
 
+#include "components/base/config/fields.h"
 #include "components/record/recording/csv_map.h"
 
 namespace sinew::recording {
+
+inline constexpr char kSchema[] = "sinew-csv-map/1";
+
+void Describe(config::Fields& fields, CsvMap& map);
 
 // Throws UsageError with file, line, key and what was expected.
 CsvMap LoadCsvMap(const std::filesystem::path& path);

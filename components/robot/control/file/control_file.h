@@ -4,10 +4,12 @@
 #include <filesystem>
 #include <vector>
 
-#include "components/base/config/config.h"
+#include "components/base/config/fields.h"
 #include "components/robot/control/joint_controller.h"
 
 namespace sinew::control {
+
+inline constexpr char kSchema[] = "sinew-control/1";
 
 // Defaults of tracking_error_limit: a joint further from its reference does not follow it. Twice
 // the largest error of the shipped references on the rig with PID alone and 0.5 kg undeclared,
@@ -35,10 +37,10 @@ struct ControlConfig {
   bool needs_regime() const;      // and chooses by regime
 };
 
+void Describe(config::Fields& fields, ControlConfig& config,
+              const std::filesystem::path& model_path = {});
 // model_path: takes the place of every joint's `model`; empty: as the file says.
 ControlConfig LoadControl(const std::filesystem::path& path,
-                          const std::filesystem::path& model_path = {});
-ControlConfig ReadControl(const config::Section& section,
                           const std::filesystem::path& model_path = {});
 
 }  // namespace sinew::control

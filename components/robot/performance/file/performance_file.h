@@ -6,11 +6,13 @@
 #include <string>
 #include <vector>
 
-#include "components/base/config/config.h"
+#include "components/base/config/fields.h"
 #include "components/robot/performance/centre_height.h"
 #include "components/robot/performance/robot_performance.h"
 
 namespace sinew::performance {
+
+inline constexpr char kSchema[] = "sinew-performance/1";
 
 struct PerformanceConfig {
   std::vector<std::string> joint_names;  // of the model, in the order of joint_state
@@ -19,7 +21,7 @@ struct PerformanceConfig {
   std::optional<CentreHeight> height;  // empty: no lifting bound
 };
 
+void Describe(config::Fields& fields, PerformanceConfig& config);
 PerformanceConfig LoadPerformance(const std::filesystem::path& path);
-PerformanceConfig ReadPerformance(const config::Section& section);
 
 }  // namespace sinew::performance

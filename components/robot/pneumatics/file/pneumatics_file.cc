@@ -3,103 +3,80 @@
 #include "components/base/types/joints.h"
 
 namespace sinew::pneumatics {
-namespace {
 
 using config::kNotNegative;
 using config::kPositive;
-using config::Section;
 
-RelayTimes ReadRelay(const Section& parent, std::string_view key, RelayTimes times) {
-  const Section s = parent.ChildOrEmpty(key);
-  times.min_on_s = s.NumberOr("min_on_s", times.min_on_s, kNotNegative);
-  times.min_off_s = s.NumberOr("min_off_s", times.min_off_s, kNotNegative);
-  s.RejectUnknownKeys();
-  return times;
+static void Describe(config::Fields& f, RelayTimes& c) {
+  f("min_on_s", c.min_on_s, kNotNegative, "least time on");
+  f("min_off_s", c.min_off_s, kNotNegative, "least time off");
 }
 
-ManagerConfig ReadJoint(const Section& s) {
-  ManagerConfig c;
-  c.hold_with = s.ChoiceOr("hold_with", "reservoir", {"reservoir", "chamber"}) == "chamber"
-                    ? HoldWith::kChamber
-                    : HoldWith::kReservoir;
-  c.max_target_bar = s.NumberOr("max_target_bar", c.max_target_bar, kPositive);
-  c.max_pressure_bar = s.NumberOr("max_pressure_bar", c.max_pressure_bar, kPositive);
-  c.band_bar = s.NumberOr("band_bar", c.band_bar, kPositive);
-  c.start_band_bar = s.NumberOr("start_band_bar", 0.7 * c.band_bar, kPositive);
-  c.lead_s = s.NumberOr("lead_s", c.lead_s, kNotNegative);
-  c.settle_s = s.NumberOr("settle_s", c.settle_s, kNotNegative);
-  c.calm_s = s.NumberOr("calm_s", c.calm_s, kNotNegative);
-  c.filter_Hz = s.NumberOr("filter_Hz", c.filter_Hz, kPositive);
-  c.valve = ReadRelay(s, "valve", c.valve);
-  c.compressor = ReadRelay(s, "compressor", c.compressor);
-  c.vent = ReadRelay(s, "vent", c.vent);
-  c.reservoir_sensor = s.BoolOr("reservoir_sensor", c.reservoir_sensor);
-  c.valve_feedback = s.BoolOr("valve_feedback", c.valve_feedback);
-  c.vent_when_safe = s.BoolOr("vent_when_safe", c.vent_when_safe);
-  c.vent_when_idle = s.BoolOr("vent_when_idle", c.vent_when_idle);
-  c.sensor_lower_bar = s.NumberOr("sensor_lower_bar", c.sensor_lower_bar);
-  c.sensor_upper_bar = s.NumberOr("sensor_upper_bar", c.sensor_upper_bar);
-  c.sensor_time_s = s.NumberOr("sensor_time_s", c.sensor_time_s, kNotNegative);
-  c.response_s = s.NumberOr("response_s", c.response_s, kPositive);
-  c.response_bar = s.NumberOr("response_bar", c.response_bar, kPositive);
-  c.feedback_time_s = s.NumberOr("feedback_time_s", c.feedback_time_s, kPositive);
-  c.leak_limit_bar_s = s.NumberOr("leak_limit_bar_s", c.leak_limit_bar_s, kPositive);
-  c.leak_window_s = s.NumberOr("leak_window_s", c.leak_window_s, kPositive);
-  if (s.Has("stiffness")) {
-    const Section table = s.Child("stiffness");
-    const std::vector<double> pressure_bar = table.Numbers("pressure_bar", kNotNegative);
-    const std::vector<double> stiffness_Nm_rad = table.Numbers("stiffness_Nm_rad", kNotNegative);
-    table.RejectUnknownKeys();
-    try {
-      c.stiffness = StiffnessTable(pressure_bar, stiffness_Nm_rad);
-    } catch (const std::invalid_argument& error) {
-      s.Fail("stiffness", error.what());
-    }
+// Sets the pressure, stated as it is or by the stiffness that it gives.
+static void DescribeTarget(config::Fields& f, ManagerConfig& c) {
+  f.If("stiffness", "stiffness by pressure, as identified", [&](config::Fields& table) {
+    std::vector<double> pressure_bar, stiffness_Nm_rad;
+    table.Need("pressure_bar", pressure_bar, kNotNegative, "rising");
+    table.Need("stiffness_Nm_rad", stiffness_Nm_rad, kNotNegative, "one for each pressure");
+    table.Check("pressure_bar",
+                [&] { c.stiffness = StiffnessTable(pressure_bar, stiffness_Nm_rad); });
+  });
+  std::optional<double> given_bar, given_Nm_rad;
+  f("target_bar", given_bar, kNotNegative, "held until something else is asked for; 0");
+  f("target_stiffness_Nm_rad", given_Nm_rad, kNotNegative, "in its place, inside the table");
+  if (given_Nm_rad && given_bar) {
+    f.Fail("target_stiffness_Nm_rad", "stands beside 'target_bar', expected only one of them");
   }
-  if (s.Has("target_stiffness_Nm_rad")) {
-    if (s.Has("target_bar")) {
-      s.Fail("target_stiffness_Nm_rad", "stands beside 'target_bar', expected only one of them");
-    }
-    const double stiffness_Nm_rad = s.Number("target_stiffness_Nm_rad", kNotNegative);
-    const std::optional<double> pressure_bar = c.stiffness.Pressure_bar(stiffness_Nm_rad);
-    if (!pressure_bar) {
-      s.Fail("target_stiffness_Nm_rad",
-             "is not in the table 'stiffness', expected a value inside it");
-    }
-    c.target_bar = *pressure_bar;
-  } else {
-    c.target_bar = s.NumberOr("target_bar", c.target_bar, kNotNegative);
+  if (given_Nm_rad) given_bar = c.stiffness.Pressure_bar(*given_Nm_rad);
+  if (given_Nm_rad && !given_bar) {
+    f.Fail("target_stiffness_Nm_rad",
+           "is not in the table 'stiffness', expected a value inside it");
   }
-  s.RejectUnknownKeys();
-  try {
-    static_cast<void>(PressureManager(c));
-  } catch (const std::invalid_argument& error) {
-    throw UsageError(s.file().string() + ":" + std::to_string(s.line()) + ": " + error.what() +
-                     ", expected figures that fit together (docs/participants/pneumatics.md)");
-  }
-  return c;
+  c.target_bar = given_bar.value_or(c.target_bar);
 }
 
-}  // namespace
+static void Describe(config::Fields& f, ManagerConfig& c) {
+  f.Word("hold_with", c.hold_with,
+         {{"reservoir", HoldWith::kReservoir}, {"chamber", HoldWith::kChamber}},
+         "valve open, or shut between corrections");
+  DescribeTarget(f, c);
+  f("max_target_bar", c.max_target_bar, kPositive, "asked for more: this");
+  f("band_bar", c.band_bar, kPositive, "settled inside it");
+  std::optional<double> start_band_bar;
+  f("start_band_bar", start_band_bar, kPositive, "a correction starts outside; 0.7 of band_bar");
+  c.start_band_bar = start_band_bar.value_or(0.7 * c.band_bar);
+  f("lead_s", c.lead_s, kNotNegative, "the pressure expected so much later ends a correction");
+  f("settle_s", c.settle_s, kNotNegative, "between two corrections");
+  f("calm_s", c.calm_s, kNotNegative, "chamber: before the valve shuts");
+  f("filter_Hz", c.filter_Hz, kPositive, "low-pass of the pressures");
+  f("valve", c.valve, "relay between reservoir and chamber");
+  f("compressor", c.compressor, "its relay");
+  f("vent", c.vent, "relay of the controlled leak");
+  f("reservoir_sensor", c.reservoir_sensor, "the reservoir's pressure is measured, too");
+  f("valve_feedback", c.valve_feedback, "the valve has a contact");
+  f("vent_when_safe", c.vent_when_safe, "a fault lets the air out");
+  f("vent_when_idle", c.vent_when_idle, "not active: lets the air out");
+  f("sensor_lower_bar", c.sensor_lower_bar, "below it the sensor has a fault");
+  f("sensor_upper_bar", c.sensor_upper_bar, "above it, too");
+  f("sensor_time_s", c.sensor_time_s, kNotNegative, "after so long");
+  f("max_pressure_bar", c.max_pressure_bar, kPositive, "overpressure above it");
+  f("response_s", c.response_s, kPositive, "filling or venting moves the pressure in this time");
+  f("response_bar", c.response_bar, kPositive, "by so much");
+  f("feedback_time_s", c.feedback_time_s, kPositive, "the valve's contact may disagree so long");
+  f("leak_limit_bar_s", c.leak_limit_bar_s, kPositive, "faster drift at rest is a fault");
+  f("leak_window_s", c.leak_window_s, kPositive, "over which drift counts");
+  f.Check("target_bar", [&] { static_cast<void>(PressureManager(c)); });
+}
 
-PneumaticsConfig ReadPneumatics(const config::Section& section) {
-  PneumaticsConfig config;
-  config.hold_disarmed = section.BoolOr("hold_disarmed", false);
-  config.motion_requests = section.BoolOr("motion_requests", false);
-  config.motion_timeout_s =
-      section.NumberOr("motion_timeout_s", config.motion_timeout_s, kPositive);
-  const std::vector<Section> joints = section.List("joints");
-  if (joints.empty() || joints.size() > types::kMaxJoints) {
-    section.Fail("joints", "has " + std::to_string(joints.size()) + " entries, expected 1 to " +
-                               std::to_string(types::kMaxJoints));
-  }
-  for (const Section& joint : joints) config.joints.push_back(ReadJoint(joint));
-  section.RejectUnknownKeys();
-  return config;
+void Describe(config::Fields& f, PneumaticsConfig& c) {
+  f("hold_disarmed", c.hold_disarmed, "holds pressure before the robot is armed, too");
+  f("motion_requests", c.motion_requests, "awaited in every tick, for the pressure asked for");
+  f("motion_timeout_s", c.motion_timeout_s, kPositive, "an older request has ended");
+  f.Need("joints", c.joints, {1, types::kMaxJoints}, "in the order of joint_state");
 }
 
 PneumaticsConfig LoadPneumatics(const std::filesystem::path& path) {
-  return ReadPneumatics(Section::Load(path, "sinew-pneumatics/1"));
+  return config::Read<PneumaticsConfig>(config::Section::Load(path, kSchema));
 }
 
 }  // namespace sinew::pneumatics

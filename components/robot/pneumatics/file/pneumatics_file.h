@@ -1,22 +1,24 @@
-// Reads `schema: sinew-pneumatics/1` (docs/participants/pneumatics.md). Throws UsageError.
+// Reads `schema: sinew-pneumatics/1`. Throws UsageError.
 #pragma once
 
 #include <filesystem>
 #include <vector>
 
-#include "components/base/config/config.h"
+#include "components/base/config/fields.h"
 #include "components/robot/pneumatics/manager.h"
 
 namespace sinew::pneumatics {
 
+inline constexpr char kSchema[] = "sinew-pneumatics/1";
+
 struct PneumaticsConfig {
   std::vector<ManagerConfig> joints;
-  bool hold_disarmed = false;    // holds pressure before the robot is armed, too
-  bool motion_requests = false;  // reads motion_request for the pressure it asks for
+  bool hold_disarmed = false;
+  bool motion_requests = false;
   double motion_timeout_s = 0.5;
 };
 
+void Describe(config::Fields& fields, PneumaticsConfig& config);
 PneumaticsConfig LoadPneumatics(const std::filesystem::path& path);
-PneumaticsConfig ReadPneumatics(const config::Section& section);
 
 }  // namespace sinew::pneumatics

@@ -56,41 +56,40 @@ Eigen::Matrix3d ReadImuMounting(const config::Section& fall, const arm::Chain& c
   return base_from_imu.transpose();
 }
 
-fall::ImuBounds ReadImuBounds(const config::Section& imu) {
-  fall::ImuBounds bounds;
-  const auto read = [&imu](const char* key, double* value) {
-    *value = imu.NumberOr(key, *value, config::kNotNegative);
-  };
-  read("force_range_m_s2", &bounds.force_range_m_s2);
-  read("force_bias_m_s2", &bounds.force_bias_m_s2);
-  read("force_noise_m_s2", &bounds.force_noise_m_s2);
-  read("rate_range_rad_s", &bounds.rate_range_rad_s);
-  read("rate_bias_rad_s", &bounds.rate_bias_rad_s);
-  read("rate_drift_rad_s2", &bounds.rate_drift_rad_s2);
-  read("rate_noise_rad_s", &bounds.rate_noise_rad_s);
-  read("rate_scale_error", &bounds.rate_scale_error);
-  return bounds;
-}
-
 }  // namespace
 
-FallGuardConfig ReadFallGuard(const config::Section& fall) {
-  const std::filesystem::path urdf = fall.ExistingPath("urdf");
+static void Describe(config::Fields& f, fall::ImuBounds& c) {
+  using config::kNotNegative;
+  f("force_range_m_s2", c.force_range_m_s2, kNotNegative, "largest reading");
+  f("force_bias_m_s2", c.force_bias_m_s2, kNotNegative, "horizontal part");
+  f("force_noise_m_s2", c.force_noise_m_s2, kNotNegative, "standard deviation per axis");
+  f("rate_range_rad_s", c.rate_range_rad_s, kNotNegative, "largest reading");
+  f("rate_bias_rad_s", c.rate_bias_rad_s, kNotNegative, "when switched on");
+  f("rate_drift_rad_s2", c.rate_drift_rad_s2, kNotNegative, "of the bias");
+  f("rate_noise_rad_s", c.rate_noise_rad_s, kNotNegative, "standard deviation per axis");
+  f("rate_scale_error", c.rate_scale_error, kNotNegative, "share of the reading");
+}
+
+void Describe(config::Fields& f, FallGuardConfig& c) {
+  std::filesystem::path urdf;
+  fall::FallConfig& detector = c.detector;
+  f.Need("urdf", urdf,
+         "legs, mass, mounting of the link imu; joints: its driven ones, in its order");
+  f("start_within_s", c.start_within_s, config::kPositive,
+    "an armed robot whose detector has not started by then has a fault");
+  f("pendulum_length_m", detector.tilt.pendulum_length_m, config::kPositive,
+    "foot to highest mass");
+  f.Object("imu", "bounds of the robot's part (components/robot/fall/imu_check.h)",
+           [&](config::Fields& imu) { Describe(imu, detector.tilt.imu); });
+  if (!f.reads()) return;
   const arm::Chain chain = arm::ParseUrdf(config::ReadFile(urdf), urdf.string());
   const std::vector<std::string> driven = DrivenJoints(chain);
-  FallGuardConfig config;
-  config.joint_count = static_cast<int>(driven.size());
-  config.right = ReadLeg(fall, chain, driven, "right");
-  config.left = ReadLeg(fall, chain, driven, "left");
-  config.imu_from_base = ReadImuMounting(fall, chain);
-  config.start_within_s = fall.NumberOr("start_within_s", config.start_within_s, config::kPositive);
-  fall::FallConfig& detector = config.detector;
+  c.joint_count = static_cast<int>(driven.size());
+  c.right = ReadLeg(f.section(), chain, driven, "right");
+  c.left = ReadLeg(f.section(), chain, driven, "left");
+  c.imu_from_base = ReadImuMounting(f.section(), chain);
   detector.mass_kg = chain.base.mass_kg;
   for (const arm::Body& body : chain.bodies) detector.mass_kg += body.mass_kg;
-  detector.tilt.pendulum_length_m =
-      fall.NumberOr("pendulum_length_m", detector.tilt.pendulum_length_m, config::kPositive);
-  detector.tilt.imu = ReadImuBounds(fall.ChildOrEmpty("imu"));
-  return config;
 }
 
 }  // namespace sinew::provider

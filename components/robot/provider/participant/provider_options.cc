@@ -28,31 +28,35 @@ void AddProviderOptions(CLI::App& app, ProviderOptions* options) {
       ->capture_default_str();
 }
 
+void Describe(config::Fields& f, GuardConfig& c) {
+  auto fault_after_ms = c.fault_after.count();
+  f("missed_periods", c.missed_periods, {1, 100}, "without their commands: bridge the gap");
+  f("fault_after_ms", fault_after_ms, {1, 10000}, "older than this: latched fault");
+  c.fault_after = std::chrono::milliseconds(fault_after_ms);
+  f.Word("bridging", c.bridging, {{"damp", Bridging::kDamp}, {"hold", Bridging::kHold}},
+         "what bridges it");
+  f.Word("on_joint_fault", c.on_joint_fault,
+         {{"idle", OtherJointsPolicy::kIdle},
+          {"damp", OtherJointsPolicy::kDamp},
+          {"hold", OtherJointsPolicy::kHold},
+          {"continue", OtherJointsPolicy::kContinue}},
+         "what the other joints do");
+  f.Word("valves_in_fault", c.valves_in_fault,
+         {{"hold", ValvesInFault::kHold}, {"vent", ValvesInFault::kVent}}, "air of the chambers");
+  f("damping_Nm_s_rad", c.damping_Nm_s_rad, config::kNotNegative, "motor side, per motor rad/s");
+  f.If("fall", "of a robot on two legs: a fall is a fault", [&c](config::Fields& fall) {
+    FallGuardConfig guard;
+    Describe(fall, guard);
+    fall.Word("on_fall", c.on_fall, {{"idle", FallPolicy::kIdle}, {"damp", FallPolicy::kDamp}},
+              "what the joints do");
+    c.fall = std::make_shared<const FallGuardConfig>(guard);
+  });
+}
+
 GuardConfig LoadGuardConfig(const config::Section& guard) {
   GuardConfig config;
-  config.missed_periods = static_cast<int>(guard.IntegerOr("missed_periods", 3, {1, 100}));
-  config.fault_after = std::chrono::milliseconds(guard.IntegerOr("fault_after_ms", 60, {1, 10000}));
-  config.bridging = guard.ChoiceOr("bridging", "damp", {"damp", "hold"}) == "hold"
-                        ? Bridging::kHold
-                        : Bridging::kDamp;
-  const std::string others =
-      guard.ChoiceOr("on_joint_fault", "idle", {"idle", "damp", "hold", "continue"});
-  config.on_joint_fault = others == "continue" ? OtherJointsPolicy::kContinue
-                          : others == "hold"   ? OtherJointsPolicy::kHold
-                          : others == "damp"   ? OtherJointsPolicy::kDamp
-                                               : OtherJointsPolicy::kIdle;
-  config.valves_in_fault = guard.ChoiceOr("valves_in_fault", "hold", {"hold", "vent"}) == "vent"
-                               ? ValvesInFault::kVent
-                               : ValvesInFault::kHold;
-  config.damping_Nm_s_rad =
-      guard.NumberOr("damping_Nm_s_rad", config.damping_Nm_s_rad, config::kNotNegative);
-  if (guard.Has("fall")) {
-    const config::Section fall = guard.Child("fall");
-    config.on_fall = fall.ChoiceOr("on_fall", "idle", {"idle", "damp"}) == "damp"
-                         ? FallPolicy::kDamp
-                         : FallPolicy::kIdle;
-    config.fall = std::make_shared<const FallGuardConfig>(ReadFallGuard(fall));
-  }
+  config::Fields fields(guard);
+  Describe(fields, config);
   return config;
 }
 

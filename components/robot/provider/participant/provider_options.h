@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "components/base/config/config.h"
+#include "components/base/config/fields.h"
 #include "components/robot/provider/guard.h"
 #include "components/robot/provider/plant.h"
 #include "components/robot/provider/work_time.h"
@@ -47,9 +47,9 @@ struct ProviderOptions {
 // Adds --rate, --duration, --arm, --await, --await-timeout to a participant.
 void AddProviderOptions(CLI::App& app, ProviderOptions* options);
 
-// Keys of a `guard:` block: missed_periods, fault_after_ms, bridging (damp|hold), damping_Nm_s_rad,
-// on_joint_fault (idle|damp|hold|continue), valves_in_fault (hold|vent), fall (fall_section.h).
-// Throws UsageError, one line with file and key.
+// A `guard:` block. The caller rejects its unknown keys. Throws UsageError, one line with file and
+// key.
+void Describe(config::Fields& fields, GuardConfig& config);
 GuardConfig LoadGuardConfig(const config::Section& guard);
 
 }  // namespace sinew::provider

@@ -9,248 +9,256 @@
 #include "components/robot/reference/file/squat_file.h"
 
 namespace sinew::reference {
-namespace {
-
 using config::kNotNegative;
 using config::kPositive;
-using config::Section;
+using Choice = config::Fields::Choice;
 
-// Keys carry the unit of the joint's kind: position_rad or position_m.
-struct Units {
-  std::string length;  // rad or m
-  std::string Key(std::string_view stem, std::string_view per = "") const {
-    return std::string(stem) + "_" + length + std::string(per);
-  }
+// A trajectory as described; it is made when all keys were read.
+struct Described {
+  std::function<TrajectoryPtr()> make;  // throws std::invalid_argument
+  double center_rad = 0.0;
+  double horizon_s = 1.0;  // of an endless trajectory, for the limits
 };
 
-TrajectoryPtr ReadSine(const Section& s, const Units& units, double center, double duration_s) {
-  SineConfig c;
-  c.center_rad = center;
-  c.amplitude_rad = s.Number(units.Key("amplitude"), kNotNegative);
-  c.frequency_Hz = s.Number("frequency_Hz", kPositive);
-  c.phase_rad = s.NumberOr("phase_rad", 0.0);
-  c.duration_s = duration_s;
-  return std::make_shared<Sine>(c);
+static void Describe(config::Fields& f, ChirpConfig& c) {
+  f("start_frequency_Hz", c.start_frequency_Hz, kPositive, "f0");
+  f("end_frequency_Hz", c.end_frequency_Hz, kPositive, "f1");
+  f("upper_amplitude", c.upper_amplitude, "of the breathing, A_amp,max");
+  f("lower_amplitude", c.lower_amplitude, "A_amp,min");
+  f("upper_frequency_Hz", c.upper_frequency_Hz, kNotNegative, "of the breathing, f_amp,max");
+  f("lower_frequency_Hz", c.lower_frequency_Hz, kNotNegative, "f_amp,min");
+  f("upper_phase_rad", c.upper_phase_rad, "phi_max");
+  f("lower_phase_rad", c.lower_phase_rad, "phi_min");
 }
 
-TrajectoryPtr ReadChirp(const Section& s, const Units& units, double center, double duration_s) {
-  ChirpConfig c;
-  c.center_rad = center;
-  c.amplitude_rad = s.Number(units.Key("amplitude"), kNotNegative);
-  if (std::isfinite(duration_s)) c.duration_s = duration_s;
-  c.start_frequency_Hz = s.NumberOr("start_frequency_Hz", c.start_frequency_Hz, kPositive);
-  c.end_frequency_Hz = s.NumberOr("end_frequency_Hz", c.end_frequency_Hz, kPositive);
-  c.upper_amplitude = s.NumberOr("upper_amplitude", c.upper_amplitude);
-  c.lower_amplitude = s.NumberOr("lower_amplitude", c.lower_amplitude);
-  c.upper_frequency_Hz = s.NumberOr("upper_frequency_Hz", c.upper_frequency_Hz, kNotNegative);
-  c.lower_frequency_Hz = s.NumberOr("lower_frequency_Hz", c.lower_frequency_Hz, kNotNegative);
-  c.upper_phase_rad = s.NumberOr("upper_phase_rad", c.upper_phase_rad);
-  c.lower_phase_rad = s.NumberOr("lower_phase_rad", c.lower_phase_rad);
-  if (c.upper_amplitude == 0.0 && c.lower_amplitude == 0.0) {
-    s.Fail("upper_amplitude", "is 0 and so is lower_amplitude, expected one that is not");
+static void Describe(config::Fields& f, MultisineConfig& c) {
+  f.Need("lowest_frequency_Hz", c.lowest_frequency_Hz, kPositive, "of the lines");
+  f.Need("highest_frequency_Hz", c.highest_frequency_Hz, kPositive, "of the lines");
+  f.Need("period_s", c.period_s, kPositive, "lines at multiples of 1 / period");
+  f("tilt", c.tilt, "amplitude falls with this power of the frequency");
+  f("seed", c.seed, kNotNegative, "of the phases");
+}
+
+static void Describe(config::Fields& f, MoveConfig& c) {
+  f.Need("~speed_rad_s", c.speed_rad_s, kPositive, "of the way");
+  c.acceleration_rad_s2 = 2.0;
+  f("~acceleration_rad_s2", c.acceleration_rad_s2, kPositive, "at both ends");
+}
+
+// A sine, chirp or multisine around a centre.
+static void DescribeWave(config::Fields& f, const Choice& kind, double duration_s, Described* out) {
+  double amplitude_rad = 0.0;
+  if (const auto wave = kind.Is({"sine", "chirp", "multisine"})) {
+    f.Need("~amplitude_rad", amplitude_rad, kNotNegative, "around the centre");
   }
-  return std::make_shared<Chirp>(c);
-}
-
-TrajectoryPtr ReadMultisine(const Section& s, const Units& units, double center,
-                            double duration_s) {
-  MultisineConfig c;
-  c.center_rad = center;
-  c.amplitude_rad = s.Number(units.Key("amplitude"), kNotNegative);
-  c.lowest_frequency_Hz = s.Number("lowest_frequency_Hz", kPositive);
-  c.highest_frequency_Hz = s.Number("highest_frequency_Hz", kPositive);
-  c.period_s = s.Number("period_s", kPositive);
-  c.tilt = s.NumberOr("tilt", c.tilt);
-  c.seed = static_cast<std::uint64_t>(s.IntegerOr("seed", 1, kNotNegative));
-  c.duration_s = duration_s;
-  try {
-    return std::make_shared<Multisine>(c);
-  } catch (const std::invalid_argument& error) {
-    s.Fail("highest_frequency_Hz", error.what());
+  if (const auto sine = kind.Is({"sine"})) {
+    SineConfig c{.center_rad = out->center_rad, .amplitude_rad = amplitude_rad};
+    f.Need("frequency_Hz", c.frequency_Hz, kPositive, "of the sine");
+    f("phase_rad", c.phase_rad, "at time 0");
+    c.duration_s = duration_s;
+    out->horizon_s = 1.0 / c.frequency_Hz;
+    out->make = [c] { return std::make_shared<Sine>(c); };
   }
-}
-
-MoveConfig ReadMove(const Section& s, const Units& units) {
-  MoveConfig c;
-  c.speed_rad_s = s.Number(units.Key("speed", "_s"), kPositive);
-  c.acceleration_rad_s2 = s.NumberOr(units.Key("acceleration", "_s2"), 2.0, kPositive);
-  return c;
+  if (const auto chirp = kind.Is({"chirp"})) {
+    ChirpConfig c{.center_rad = out->center_rad, .amplitude_rad = amplitude_rad};
+    if (std::isfinite(duration_s)) c.duration_s = duration_s;
+    Describe(f, c);
+    out->make = [c] {
+      if (c.upper_amplitude != 0.0 || c.lower_amplitude != 0.0) return std::make_shared<Chirp>(c);
+      throw std::invalid_argument("upper_amplitude is 0 and so is lower_amplitude");
+    };
+  }
+  if (const auto multisine = kind.Is({"multisine"})) {
+    MultisineConfig c{.center_rad = out->center_rad, .amplitude_rad = amplitude_rad};
+    Describe(f, c);
+    c.duration_s = duration_s;
+    out->horizon_s = c.period_s;
+    out->make = [c] { return std::make_shared<Multisine>(c); };
+  }
 }
 
 // Pieces of a sequence begin where the one before ended, at rest, and end at rest.
-void AppendPiece(const Section& s, const Units& units, double* position,
-                 std::vector<TrajectoryPtr>* pieces) {
-  const std::string kind =
-      s.Choice("kind", {"hold", "move", "ramps", "sine", "chirp", "multisine"});
-  if (kind == "hold") {
-    pieces->push_back(std::make_shared<Hold>(*position, s.Number("duration_s", kPositive)));
-  } else if (kind == "move") {
-    MoveConfig c = ReadMove(s, units);
+static void DescribePiece(config::Fields& f, double* position, std::vector<TrajectoryPtr>* pieces) {
+  const auto kind =
+      f.NeedWord("kind", {"hold", "move", "ramps", "sine", "chirp", "multisine"}, "of the piece");
+  const auto go = [&](MoveConfig c, double to_rad) {
     c.from_rad = *position;
-    c.to_rad = s.Number(units.Key("to"));
+    c.to_rad = to_rad;
     if (c.to_rad != c.from_rad) pieces->push_back(std::make_shared<Move>(c));
-    *position = c.to_rad;
-  } else if (kind == "ramps") {  // up, down, ... around the position, back to it at the end
-    MoveConfig c = ReadMove(s, units);
-    const double amplitude = s.Number(units.Key("amplitude"), kPositive);
-    const std::int64_t cycles = s.IntegerOr("cycles", 1, {1, 10000});
+    *position = to_rad;
+  };
+  double duration_s = 1.0, fade_s = 1.0;
+  if (const auto timed = kind.Is({"hold", "sine", "chirp", "multisine"})) {
+    f.Need("duration_s", duration_s, kPositive, "of the piece");
+  }
+  if (kind.word == "hold") pieces->push_back(std::make_shared<Hold>(*position, duration_s));
+  MoveConfig move;
+  if (const auto moves = kind.Is({"move", "ramps"})) Describe(f, move);
+  if (const auto moves = kind.Is({"move"})) {
+    double to_rad = 0.0;
+    f.Need("~to_rad", to_rad, "where it ends");
+    go(move, to_rad);
+  }
+  if (const auto ramps = kind.Is({"ramps"})) {  // back to the position at the end
+    double amplitude = 0.0;
+    int cycles = 1;
+    f.Need("~amplitude_rad", amplitude, kPositive, "up, then down, around the position");
+    f("cycles", cycles, {1, 10000}, "ups and downs");
     const double center = *position;
-    const auto go = [&c, position, pieces](double to) {
-      c.from_rad = *position;
-      c.to_rad = to;
-      pieces->push_back(std::make_shared<Move>(c));
-      *position = to;
-    };
-    for (std::int64_t i = 0; i < cycles; ++i) {
-      go(center + amplitude);
-      go(center - amplitude);
+    for (int i = 0; i < cycles; ++i) {
+      go(move, center + amplitude);
+      go(move, center - amplitude);
     }
-    go(center);
-  } else {
-    const double duration_s = s.Number("duration_s", kPositive);
-    const double fade_s = s.NumberOr("fade_s", 1.0, kPositive);
-    TrajectoryPtr inner;
-    if (kind == "sine") inner = ReadSine(s, units, *position, kEndless);
-    if (kind == "chirp") inner = ReadChirp(s, units, *position, duration_s);
-    if (kind == "multisine") inner = ReadMultisine(s, units, *position, kEndless);
-    if (2.0 * fade_s > duration_s) {
-      s.Fail("fade_s", "two fades do not fit in duration_s, expected at most half of it");
-    }
-    pieces->push_back(std::make_shared<Windowed>(inner, *position, duration_s, fade_s));
+    go(move, center);
   }
-  s.RejectUnknownKeys();
+  if (const auto faded = kind.Is({"sine", "chirp", "multisine"})) {
+    Described wave{.make = nullptr, .center_rad = *position};
+    f("fade_s", fade_s, kPositive, "faded in and out in this time");
+    DescribeWave(f, kind, kind.word == "chirp" ? duration_s : kEndless, &wave);
+    f.Require(2.0 * fade_s <= duration_s, "fade_s",
+              "two fades do not fit in duration_s, expected at most half of it");
+    f.Check("kind", [&] {
+      pieces->push_back(std::make_shared<Windowed>(wave.make(), *position, duration_s, fade_s));
+    });
+  }
 }
 
-GeneratorConfig ReadJoint(const Section& s, std::size_t index, LoadedReference* loaded) {
-  const bool linear = s.ChoiceOr("joint", "rotary", {"rotary", "linear"}) == "linear";
-  const Units units{linear ? "m" : "rad"};
-  GeneratorConfig joint;
-  joint.soft_start_s = s.NumberOr("soft_start_s", 2.0, kNotNegative);
-  joint.soft_stop_s = s.NumberOr("soft_stop_s", 1.0, kNotNegative);
+static Described DescribeStep(config::Fields& f) {
+  StepConfig c;
+  std::optional<double> duration_s;
+  f("~from_rad", c.from_rad, "before the step");
+  f.Need("~to_rad", c.to_rad, "after it");
+  c.step_at_s = 1.0;
+  f("step_at_s", c.step_at_s, kNotNegative, "when it begins");
+  f("rise_s", c.rise_s, kNotNegative, "0: at once");
+  f("duration_s", duration_s, kPositive, "left out: endless");
+  c.duration_s = duration_s.value_or(c.duration_s);
+  return {.make = [c] { return std::make_shared<Step>(c); },
+          .center_rad = c.from_rad,
+          .horizon_s = c.step_at_s + c.rise_s + 1.0};
+}
 
-  const std::string kind =
-      s.Choice("kind", {"hold", "sine", "chirp", "step", "multisine", "sequence", "file"});
-  double center = 0.0;
-  double horizon_s = 1.0;  // of an endless trajectory, for the limits
-  if (kind == "sequence") {
-    center = s.NumberOr(units.Key("start"), 0.0);
-    double position = center;
-    std::vector<TrajectoryPtr> pieces;
-    for (const Section& piece : s.List("pieces")) AppendPiece(piece, units, &position, &pieces);
-    if (pieces.empty()) s.Fail("pieces", "is empty, expected at least one piece");
-    joint.trajectory = std::make_shared<Sequence>(std::move(pieces));
-  } else if (kind == "file") {
-    const std::filesystem::path path = s.ExistingPath("path");
-    CsvTrajectory csv = ReadTrajectoryCsv(path, s.TextOr("time_column", "time_s"),
-                                          s.TextOr("position_column", units.Key("position")));
-    const double sign = s.NumberOr("sign", 1.0, {-1.0, 1.0});
-    const double offset = s.NumberOr(units.Key("offset"), 0.0);
-    for (double& q : csv.position_rad) q = sign * q + offset;
-    try {
-      joint.trajectory =
-          std::make_shared<Samples>(std::move(csv.time_s), std::move(csv.position_rad));
-    } catch (const std::invalid_argument& error) {
-      throw UsageError(path.string() + ": " + error.what() +
-                       ", expected two or more rows with rising time");
-    }
-    center = joint.trajectory->At(0.0).position_rad;
-  } else if (kind == "step") {
-    StepConfig c;
-    c.from_rad = s.NumberOr(units.Key("from"), 0.0);
-    c.to_rad = s.Number(units.Key("to"));
-    c.step_at_s = s.NumberOr("step_at_s", 1.0, kNotNegative);
-    c.rise_s = s.NumberOr("rise_s", 0.0, kNotNegative);
-    if (s.Has("duration_s")) c.duration_s = s.Number("duration_s", kPositive);
-    center = c.from_rad;
-    horizon_s = c.step_at_s + c.rise_s + 1.0;
-    joint.trajectory = std::make_shared<Step>(c);
-  } else {
-    center = s.NumberOr(units.Key("center"), 0.0);
-    const double duration_s = s.Has("duration_s") ? s.Number("duration_s", kPositive) : kEndless;
-    if (kind == "hold") joint.trajectory = std::make_shared<Hold>(center, duration_s);
-    if (kind == "sine") {
-      joint.trajectory = ReadSine(s, units, center, duration_s);
-      horizon_s = 1.0 / s.Number("frequency_Hz");
-    }
-    if (kind == "chirp") joint.trajectory = ReadChirp(s, units, center, duration_s);
-    if (kind == "multisine") {
-      joint.trajectory = ReadMultisine(s, units, center, duration_s);
-      horizon_s = s.Number("period_s");
-    }
-  }
-
-  const Section limits = s.ChildOrEmpty("limits");
-  Limits& l = joint.limits;
-  const std::string lower_key = units.Key("position_lower");
-  l.position_lower_rad = limits.NumberOr(lower_key, l.position_lower_rad);
-  l.position_upper_rad = limits.NumberOr(units.Key("position_upper"), l.position_upper_rad);
-  l.velocity_rad_s = limits.NumberOr(units.Key("velocity", "_s"), l.velocity_rad_s, kPositive);
-  l.acceleration_rad_s2 =
-      limits.NumberOr(units.Key("acceleration", "_s2"), l.acceleration_rad_s2, kPositive);
-  const std::string exceeded = limits.ChoiceOr("when_exceeded", "refuse", {"refuse", "scale"});
-  if (!(l.position_lower_rad < l.position_upper_rad)) {
-    limits.Fail(lower_key, "is not below position_upper, expected lower < upper");
-  }
-  const Extremes extremes = Measure(*joint.trajectory, horizon_s);
-  double factor = 1.0;
+static Described DescribeCsv(config::Fields& f) {
+  std::filesystem::path path;
+  std::string time_column = "time_s", position_column = f.Key("~position_rad");
+  double sign = 1.0, offset = 0.0;
+  f.Need("path", path, "CSV file with a header line");
+  f("time_column", time_column, "its name in the header");
+  f("position_column", position_column, "the same");
+  f("sign", sign, {-1.0, 1.0}, "of the column");
+  f("~offset_rad", offset, "added to it");
+  if (!f.reads()) return {};
+  CsvTrajectory csv = ReadTrajectoryCsv(path, time_column, position_column);
+  for (double& q : csv.position_rad) q = sign * q + offset;
   try {
-    factor = FittingFactor(extremes, center, l);
+    const auto samples =
+        std::make_shared<Samples>(std::move(csv.time_s), std::move(csv.position_rad));
+    return {.make = [samples] { return samples; }, .center_rad = samples->At(0.0).position_rad};
   } catch (const std::invalid_argument& error) {
-    s.Fail("limits", error.what());
+    throw UsageError(path.string() + ": " + error.what() +
+                     ", expected two or more rows with rising time");
   }
-  if (factor < 1.0) {
-    char demand[256];
-    const char* unit = units.length.c_str();
-    std::snprintf(demand, sizeof(demand),
-                  "position %.4g to %.4g %s, velocity %.4g %s/s, acceleration %.4g %s/s2",
-                  extremes.position_lower_rad, extremes.position_upper_rad, unit,
-                  extremes.velocity_rad_s, unit, extremes.acceleration_rad_s2, unit);
-    if (exceeded == "refuse") {
-      s.Fail("limits", std::string("the trajectory asks for ") + demand +
-                           ", expected one inside the limits (or when_exceeded: scale)");
-    }
-    char note[384];
-    std::snprintf(note, sizeof(note),
-                  "joint %zu: drawn in to %.4g of its size to keep the limits (asked for %s)",
-                  index, factor, demand);
-    loaded->notes.emplace_back(note);
-    joint.trajectory = std::make_shared<Scaled>(joint.trajectory, center, factor);
-  }
-  limits.RejectUnknownKeys();
-  s.RejectUnknownKeys();
-  return joint;
 }
 
-}  // namespace
+static Described DescribeTrajectory(config::Fields& f) {
+  Described out;
+  const auto kind = f.NeedWord(
+      "kind", {"hold", "sine", "chirp", "step", "multisine", "sequence", "file"}, "of trajectory");
+  if (const auto sequence = kind.Is({"sequence"})) {
+    std::vector<TrajectoryPtr> pieces;
+    f("~start_rad", out.center_rad, "where the first piece begins");
+    double position = out.center_rad;
+    f.NeedList("pieces", {1}, "each begins where the one before ended, at rest",
+               [&](config::Fields& piece) { DescribePiece(piece, &position, &pieces); });
+    out.make = [pieces] { return std::make_shared<Sequence>(pieces); };
+  }
+  if (const auto file = kind.Is({"file"})) out = DescribeCsv(f);
+  if (const auto step = kind.Is({"step"})) out = DescribeStep(f);
+  if (const auto around = kind.Is({"hold", "sine", "chirp", "multisine"})) {
+    std::optional<double> given_s;
+    f("~center_rad", out.center_rad, "of the motion");
+    f("duration_s", given_s, kPositive, "left out: endless");
+    const double duration_s = given_s.value_or(kEndless);
+    out.make = [center = out.center_rad, duration_s] {
+      return std::make_shared<Hold>(center, duration_s);
+    };
+    DescribeWave(f, kind, duration_s, &out);
+  }
+  return out;
+}
 
-LoadedReference ReadReference(const config::Section& section) {
-  LoadedReference loaded;
-  loaded.config.start = section.ChoiceOr("start", "armed", {"armed", "operator"}) == "operator"
-                            ? StartRule::kOperator
-                            : StartRule::kArmed;
-  loaded.config.start_delay_s = section.NumberOr("start_delay_s", 0.0, kNotNegative);
-  loaded.config.hold_s = section.NumberOr("hold_s", 0.0, kNotNegative);
-  if (section.Has("squat")) {
-    if (section.Has("joints"))
-      section.Fail("joints", "and 'squat' are there, expected one of them");
-    ReadSquat(section.Child("squat"), &loaded);
-    section.RejectUnknownKeys();
-    return loaded;
+// The trajectory inside its limits, drawn in where that is allowed; a note says so. Throws
+// std::invalid_argument.
+static TrajectoryPtr KeepLimits(const Described& described, const Limits& limits, bool may_scale,
+                                std::size_t index, const char* unit,
+                                std::vector<std::string>* notes) {
+  TrajectoryPtr trajectory = described.make();
+  const Extremes extremes = Measure(*trajectory, described.horizon_s);
+  const double factor = FittingFactor(extremes, described.center_rad, limits);
+  if (factor >= 1.0) return trajectory;
+  char demand[256];
+  std::snprintf(demand, sizeof(demand),
+                "position %.4g to %.4g %s, velocity %.4g %s/s, acceleration %.4g %s/s2",
+                extremes.position_lower_rad, extremes.position_upper_rad, unit,
+                extremes.velocity_rad_s, unit, extremes.acceleration_rad_s2, unit);
+  if (!may_scale) {
+    throw std::invalid_argument(std::string("the trajectory asks for ") + demand +
+                                ", expected one inside the limits (or when_exceeded: scale)");
   }
-  const std::vector<Section> joints = section.List("joints");
-  if (joints.empty() || joints.size() > static_cast<std::size_t>(types::kMaxJoints)) {
-    section.Fail("joints", "has " + std::to_string(joints.size()) + " entries, expected 1 to " +
-                               std::to_string(types::kMaxJoints));
+  char note[384];
+  std::snprintf(note, sizeof(note),
+                "joint %zu: drawn in to %.4g of its size to keep the limits (asked for %s)", index,
+                factor, demand);
+  notes->emplace_back(note);
+  return std::make_shared<Scaled>(trajectory, described.center_rad, factor);
+}
+
+static void DescribeJoint(config::Fields& f, LoadedReference* loaded) {
+  bool linear = false, may_scale = false;
+  f.Word("joint", linear, {{"rotary", false}, {"linear", true}}, "units of the keys: rad or m");
+  f.set_linear(linear);
+  GeneratorConfig joint;
+  f("soft_start_s", joint.soft_start_s, kNotNegative, "from the measured position onto the motion");
+  f("soft_stop_s", joint.soft_stop_s, kNotNegative, "at the end, to rest");
+  const Described trajectory = DescribeTrajectory(f);
+  Limits& l = joint.limits;
+  f.Object("limits", "checked over the whole trajectory; left out: none", [&](config::Fields& g) {
+    g("~position_lower_rad", l.position_lower_rad, "lowest");
+    g("~position_upper_rad", l.position_upper_rad, "highest");
+    g("~velocity_rad_s", l.velocity_rad_s, kPositive, "largest");
+    g("~acceleration_rad_s2", l.acceleration_rad_s2, kPositive, "largest");
+    g.Word("when_exceeded", may_scale, {{"refuse", false}, {"scale", true}},
+           "refuse: an error; scale: drawn in towards the centre");
+    g.Require(l.position_lower_rad < l.position_upper_rad, "~position_lower_rad",
+              "is not below position_upper, expected lower < upper");
+  });
+  f.Check("limits", [&] {
+    joint.trajectory = KeepLimits(trajectory, l, may_scale, loaded->config.joints.size(),
+                                  linear ? "m" : "rad", &loaded->notes);
+  });
+  loaded->config.joints.push_back(joint);
+}
+
+void Describe(config::Fields& f, LoadedReference& loaded) {
+  f.Word("start", loaded.config.start,
+         {{"armed", StartRule::kArmed}, {"operator", StartRule::kOperator}},
+         "after arming, or after the operator's start");
+  f("start_delay_s", loaded.config.start_delay_s, kNotNegative, "after arming");
+  f("hold_s", loaded.config.hold_s, kNotNegative,
+    "at the positions of the start, before the soft start");
+  const bool squat = f.If("squat", "of a robot with two legs, in place of joints",
+                          [&](config::Fields& s) { DescribeSquat(s, &loaded); });
+  if (f.reads() && squat && f.section().Has("joints")) {
+    f.Fail("joints", "and 'squat' are there, expected one of them");
   }
-  for (std::size_t j = 0; j < joints.size(); ++j) {
-    loaded.config.joints.push_back(ReadJoint(joints[j], j, &loaded));
-  }
-  section.RejectUnknownKeys();
-  return loaded;
+  if (f.reads() && squat) return;
+  const auto joint = [&](config::Fields& g) { DescribeJoint(g, &loaded); };
+  f.List("joints", {1, types::kMaxJoints}, "one a joint, in the order of the topics", joint);
+  f.Require(!loaded.config.joints.empty(), "joints", "missing, expected a list of mappings");
 }
 
 LoadedReference LoadReference(const std::filesystem::path& path) {
-  return ReadReference(Section::Load(path, "sinew-reference/1"));
+  return config::Read<LoadedReference>(config::Section::Load(path, kSchema));
 }
 
 CsvTrajectory ReadTrajectoryCsv(const std::filesystem::path& path, const std::string& time_column,

@@ -5,10 +5,12 @@
 #include <string>
 #include <vector>
 
-#include "components/base/config/config.h"
+#include "components/base/config/fields.h"
 #include "components/robot/reference/robot_reference.h"
 
 namespace sinew::reference {
+
+inline constexpr char kSchema[] = "sinew-reference/1";
 
 struct LoadedReference {
   RobotReferenceConfig config;
@@ -18,8 +20,8 @@ struct LoadedReference {
   std::vector<std::string> joint_names;
 };
 
+void Describe(config::Fields& fields, LoadedReference& loaded);
 LoadedReference LoadReference(const std::filesystem::path& path);
-LoadedReference ReadReference(const config::Section& section);
 
 // Columns of a CSV file with a header line; times in s. Throws UsageError naming file, line and
 // column.

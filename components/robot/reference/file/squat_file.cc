@@ -13,90 +13,88 @@
 #include "components/robot/reference/squat.h"
 
 namespace sinew::reference {
+using config::kPositive;
+
 namespace {
 
-TrajectoryPtr ReadRepeatedSquats(const config::Section& s, int cycles) {
-  SquatsConfig c;
-  c.straight_margin_m = s.NumberOr("straight_margin_m", c.straight_margin_m, config::kPositive);
-  c.depth_m = s.Number("depth_m", config::kPositive);
-  c.period_s = s.NumberOr("period_s", c.period_s, config::kPositive);
-  c.cycles = cycles;
-  return MakeSquats(c);
-}
+// The height of the base over time, made when all keys were read.
+using MakeHeight = std::function<TrajectoryPtr()>;
 
-TrajectoryPtr ReadChirpSquat(const config::Section& s, LoadedReference* loaded) {
+MakeHeight DescribeHeight(config::Fields& f, LoadedReference* loaded) {
   ChirpSquatConfig c;
-  c.straight_margin_m = s.NumberOr("straight_margin_m", c.straight_margin_m, config::kPositive);
-  c.depth_m = s.Number("depth_m", config::kPositive);
-  c.acceleration_m_s2 = s.NumberOr("acceleration_m_s2", c.acceleration_m_s2, config::kPositive);
-  c.shape.duration_s = s.NumberOr("duration_s", c.shape.duration_s, config::kPositive);
-  c.shape.start_frequency_Hz =
-      s.NumberOr("start_frequency_Hz", c.shape.start_frequency_Hz, config::kPositive);
-  c.shape.end_frequency_Hz =
-      s.NumberOr("end_frequency_Hz", c.shape.end_frequency_Hz, config::kPositive);
-  const auto chirp = std::make_shared<ChirpSquat>(c);
-  char note[192];
-  std::snprintf(note, sizeof(note),
-                "squat: amplitude %.4g m, drawn in to %.4g m at the end to keep %.4g m/s2",
-                0.5 * (c.depth_m - c.straight_margin_m), chirp->end_amplitude_m(),
-                c.acceleration_m_s2);
-  loaded->notes.emplace_back(note);
-  return chirp;
-}
-
-TrajectoryPtr ReadBaseHeight(const config::Section& s, LoadedReference* loaded) {
-  const std::string kind = s.Choice("kind", {"benchmark", "six", "chirp"});
-  try {
-    if (kind == "chirp") return ReadChirpSquat(s, loaded);
-    return ReadRepeatedSquats(s, kind == "six" ? 6 : 2);
-  } catch (const std::invalid_argument& error) {
-    s.Fail("depth_m", error.what());
+  SquatsConfig squats;
+  const auto kind =
+      f.NeedWord("kind", {"benchmark", "six", "chirp"}, "two squats, six, or the published chirp");
+  f.Need("depth_m", c.depth_m, kPositive, "of the lowest point below straight legs");
+  f("straight_margin_m", c.straight_margin_m, kPositive,
+    "of the highest point: a straight leg is singular");
+  if (const auto repeated = kind.Is({"benchmark", "six"})) {
+    f("period_s", squats.period_s, kPositive, "top, bottom, top as a cosine");
   }
+  if (const auto chirp = kind.Is({"chirp"})) {
+    f("acceleration_m_s2", c.acceleration_m_s2, kPositive, "of the base, at most; below 1 g");
+    f("duration_s", c.shape.duration_s, kPositive, "of the chirp");
+    f("start_frequency_Hz", c.shape.start_frequency_Hz, kPositive, "f0");
+    f("end_frequency_Hz", c.shape.end_frequency_Hz, kPositive, "f1");
+  }
+  if (kind.word != "chirp") {
+    squats.depth_m = c.depth_m;
+    squats.straight_margin_m = c.straight_margin_m;
+    squats.cycles = kind.word == "six" ? 6 : 2;
+    return [squats] { return MakeSquats(squats); };
+  }
+  return [c, loaded]() -> TrajectoryPtr {
+    const auto chirp = std::make_shared<ChirpSquat>(c);
+    char note[192];
+    std::snprintf(note, sizeof(note),
+                  "squat: amplitude %.4g m, drawn in to %.4g m at the end to keep %.4g m/s2",
+                  0.5 * (c.depth_m - c.straight_margin_m), chirp->end_amplitude_m(),
+                  c.acceleration_m_s2);
+    loaded->notes.emplace_back(note);
+    return chirp;
+  };
 }
 
 // Joint name -> trajectory, of both legs.
-std::map<std::string, TrajectoryPtr> SquatJoints(const config::Section& s, const arm::Chain& chain,
-                                                 const TrajectoryPtr& height) {
+std::map<std::string, TrajectoryPtr> SquatJoints(const config::Fields& f, const arm::Chain& chain,
+                                                 const TrajectoryPtr& height, double forward_m) {
   std::map<std::string, TrajectoryPtr> joints;
-  const double forward_m = s.NumberOr("foot_forward_m", 0.0);
   for (const std::string side : {"left", "right"}) {
     const leg::LegJointNames names = leg::NamesOfSide(side);
     leg::LegGeometry geometry;
-    try {
-      geometry = leg::GeometryOf(chain, names, side + "_sole");
-    } catch (const std::invalid_argument& error) {
-      s.Fail("urdf", error.what());
-    }
-    try {
+    f.Check("urdf", [&] { geometry = leg::GeometryOf(chain, names, side + "_sole"); });
+    f.Check("depth_m", [&] {
       for (const auto& [joint, moved] : {std::pair{leg::kHipPitch, SquatJoint::kHipPitch},
                                          {leg::kKnee, SquatJoint::kKnee},
                                          {leg::kAnklePitch, SquatJoint::kAnklePitch}}) {
         joints[names[static_cast<std::size_t>(joint)]] =
             std::make_shared<SquatTrajectory>(height, geometry, forward_m, moved);
       }
-    } catch (const std::invalid_argument& error) {
-      s.Fail("depth_m", error.what());
-    }
+    });
   }
   return joints;
 }
 
 }  // namespace
 
-void ReadSquat(const config::Section& section, LoadedReference* loaded) {
-  const std::filesystem::path urdf = section.ExistingPath("urdf");
-  const arm::Chain chain = arm::ParseUrdf(config::ReadFile(urdf), urdf.string());
-  const TrajectoryPtr height = ReadBaseHeight(section, loaded);
-  const std::map<std::string, TrajectoryPtr> moved = SquatJoints(section, chain, height);
-
+void DescribeSquat(config::Fields& f, LoadedReference* loaded) {
+  std::filesystem::path urdf;
+  double forward_m = 0.0;
   GeneratorConfig common;
-  common.soft_start_s = section.NumberOr("soft_start_s", 2.0, config::kNotNegative);
-  common.soft_stop_s = section.NumberOr("soft_stop_s", 1.0, config::kNotNegative);
-  const config::Section limits = section.Child("limits");
-  common.limits.velocity_rad_s = limits.Number("velocity_rad_s", config::kPositive);
-  common.limits.acceleration_rad_s2 = limits.Number("acceleration_rad_s2", config::kPositive);
-  limits.RejectUnknownKeys();
-
+  f.Need("urdf", urdf, "the robot; its driven joints are those of the topics, in its order");
+  const MakeHeight make_height = DescribeHeight(f, loaded);
+  f("foot_forward_m", forward_m, "the ankle's place in front of the hip");
+  f("soft_start_s", common.soft_start_s, config::kNotNegative, "onto the motion");
+  f("soft_stop_s", common.soft_stop_s, config::kNotNegative, "to rest");
+  f.NeedObject("limits", "of every joint; positions: the URDF's limits", [&](config::Fields& l) {
+    l.Need("velocity_rad_s", common.limits.velocity_rad_s, kPositive, "largest");
+    l.Need("acceleration_rad_s2", common.limits.acceleration_rad_s2, kPositive, "largest");
+  });
+  if (!f.reads()) return;
+  const arm::Chain chain = arm::ParseUrdf(config::ReadFile(urdf), urdf.string());
+  TrajectoryPtr height;
+  f.Check("depth_m", [&] { height = make_height(); });
+  const std::map<std::string, TrajectoryPtr> moved = SquatJoints(f, chain, height, forward_m);
   for (const arm::Body& body : chain.bodies) {
     if (!arm::IsDriven(body)) continue;
     GeneratorConfig joint = common;
@@ -106,22 +104,20 @@ void ReadSquat(const config::Section& section, LoadedReference* loaded) {
     joint.trajectory =
         found != moved.end() ? found->second : std::make_shared<Hold>(0.0, height->duration_s());
     const std::string passed = FirstPassedLimit(body.joint_name, *joint.trajectory, joint.limits);
-    if (!passed.empty()) section.Fail("limits", passed);
+    if (!passed.empty()) f.Fail("limits", passed);
     loaded->joint_names.push_back(body.joint_name);
     loaded->config.joints.push_back(std::move(joint));
   }
   for (const auto& [name, trajectory] : moved) {
     if (std::find(loaded->joint_names.begin(), loaded->joint_names.end(), name) ==
         loaded->joint_names.end()) {
-      section.Fail("urdf", "joint '" + name + "' has no effort above 0: it is not driven");
+      f.Fail("urdf", "joint '" + name + "' has no effort above 0: it is not driven");
     }
   }
   if (loaded->config.joints.size() > static_cast<std::size_t>(types::kMaxJoints)) {
-    section.Fail("urdf", "has " + std::to_string(loaded->config.joints.size()) +
-                             " driven joints, expected at most " +
-                             std::to_string(types::kMaxJoints));
+    f.Fail("urdf", "has " + std::to_string(loaded->config.joints.size()) +
+                       " driven joints, expected at most " + std::to_string(types::kMaxJoints));
   }
-  section.RejectUnknownKeys();
 }
 
 }  // namespace sinew::reference

@@ -1,4 +1,4 @@
-// Reads the section `squat` of `schema: sinew-reference/1` (docs/participants/reference.md): a
+// The section `squat` of `schema: sinew-reference/1` (docs/participants/reference.md): a
 // trajectory for every driven joint of a robot with two legs. Throws UsageError; a passed limit is
 // one, with joint, limit and the largest value.
 #pragma once
@@ -10,6 +10,6 @@ namespace sinew::reference {
 
 // Fills joints, joint_names and notes. Driven joints are those that move and whose effort in the
 // URDF is above 0; those that take no part in the squat are held at 0.
-void ReadSquat(const config::Section& section, LoadedReference* loaded);
+void DescribeSquat(config::Fields& fields, LoadedReference* loaded);
 
 }  // namespace sinew::reference

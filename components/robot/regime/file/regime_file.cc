@@ -6,72 +6,50 @@
 #include "components/base/types/joints.h"
 
 namespace sinew::regime {
-namespace {
-
 using config::kNotNegative;
 using config::kPositive;
-using config::Section;
 
-DetectorConfig ReadJoint(const Section& s) {
-  DetectorConfig joint;
-  joint.gear_ratio = s.Number("gear_ratio", kPositive);
-  joint.play.backlash_rad = s.Number("backlash_rad", kPositive);
-  const double counts = s.NumberOr("encoder_counts_per_turn", 16384.0, {64.0});
-  joint.play.output_count_rad = 2.0 * std::numbers::pi / counts;
-  joint.play.output_noise_rad =
-      s.NumberOr("encoder_noise_rad", joint.play.output_noise_rad, kNotNegative);
-  joint.play.hysteresis_counts =
-      s.NumberOr("hysteresis_counts", joint.play.hysteresis_counts, kPositive);
-  joint.play.sampling_skew_s = s.NumberOr("sampling_skew_s", 0.0, {0.0, 0.1});
-  joint.inconsistent_rad = s.NumberOr("inconsistent_rad", joint.inconsistent_rad, kPositive);
-  if (s.Choice("setup", {"given", "active"}) == "given") {
-    joint.setup = Setup::kGiven;
-    joint.play_center_rad = s.NumberOr("play_center_rad", 0.0);
-  } else {
-    joint.setup = Setup::kActive;
-    joint.chamber_direction =
-        s.ChoiceOr("chamber_pushes", "up", {"up", "down"}) == "up" ? 1.0 : -1.0;
-    joint.setup_pressure_bar =
-        s.NumberOr("setup_pressure_bar", joint.setup_pressure_bar, kPositive);
-    joint.min_pressure_bar = s.NumberOr("min_pressure_bar", joint.min_pressure_bar, kPositive);
-    joint.velocity_rad_s = s.NumberOr("setup_velocity_rad_s", joint.velocity_rad_s, kPositive);
-    joint.motor_torque_limit_Nm =
-        s.NumberOr("setup_torque_limit_Nm", joint.motor_torque_limit_Nm, kPositive);
-    joint.travel_rad = s.NumberOr("setup_travel_rad", joint.travel_rad, kPositive);
-    joint.contact_travel_rad =
-        s.NumberOr("contact_travel_rad", joint.contact_travel_rad, kPositive);
-    joint.timeout_s = s.NumberOr("setup_timeout_s", joint.timeout_s, kPositive);
+static void Describe(config::Fields& f, DetectorConfig& c) {
+  f.Need("gear_ratio", c.gear_ratio, kPositive, "N");
+  f.Need("backlash_rad", c.play.backlash_rad, kPositive, "full width at the output");
+  double counts = 16384.0;
+  f("encoder_counts_per_turn", counts, {64.0}, "of the output");
+  c.play.output_count_rad = 2.0 * std::numbers::pi / counts;
+  f("encoder_noise_rad", c.play.output_noise_rad, kNotNegative, "standard deviation of the output");
+  f("hysteresis_counts", c.play.hysteresis_counts, kPositive, "between outside and inside");
+  f("sampling_skew_s", c.play.sampling_skew_s, {0.0, 0.1},
+    "motor and output sampled this far apart: more careful in fast motion");
+  f("inconsistent_rad", c.inconsistent_rad, kPositive, "outside of the backlash: unknown");
+  const auto setup =
+      f.NeedWord("setup", c.setup, {{"given", Setup::kGiven}, {"active", Setup::kActive}},
+                 "where the middle of the play comes from");
+  if (const auto given = setup.Is({"given"})) {
+    f("play_center_rad", c.play_center_rad, "motor angle / N - output angle there");
   }
-  s.RejectUnknownKeys();
-  try {
-    static_cast<void>(RegimeDetector(joint));
-  } catch (const std::invalid_argument& error) {
-    s.Fail("backlash_rad", error.what());
+  if (const auto active = setup.Is({"active"})) {
+    f.Word("chamber_pushes", c.chamber_direction, {{"up", 1.0}, {"down", -1.0}}, "the output");
+    f("setup_pressure_bar", c.setup_pressure_bar, kPositive, "asked for");
+    f("min_pressure_bar", c.min_pressure_bar, kPositive, "contact counts only above it");
+    f("setup_velocity_rad_s", c.velocity_rad_s, kPositive, "of the motor at the output");
+    f("setup_torque_limit_Nm", c.motor_torque_limit_Nm, kPositive, "motor shaft");
+    f("setup_travel_rad", c.travel_rad, kPositive, "given up after it");
+    f("contact_travel_rad", c.contact_travel_rad, kPositive, "rigid motion that proves contact");
+    f("setup_timeout_s", c.timeout_s, kPositive, "for pressure, and again for contact");
   }
-  return joint;
+  f.Check("backlash_rad", [&] { static_cast<void>(RegimeDetector(c)); });
 }
 
-}  // namespace
+void Describe(config::Fields& f, RegimeConfig& c) {
+  f.Need("joints", c.joints, {1, types::kMaxJoints}, "in the order of joint_state");
+}
 
 bool RegimeConfig::requests_motion() const {
   return std::any_of(joints.begin(), joints.end(),
                      [](const DetectorConfig& joint) { return joint.setup == Setup::kActive; });
 }
 
-RegimeConfig ReadRegime(const config::Section& section) {
-  RegimeConfig config;
-  const std::vector<Section> joints = section.List("joints");
-  if (joints.empty() || joints.size() > types::kMaxJoints) {
-    section.Fail("joints", "has " + std::to_string(joints.size()) + " entries, expected 1 to " +
-                               std::to_string(types::kMaxJoints));
-  }
-  for (const Section& joint : joints) config.joints.push_back(ReadJoint(joint));
-  section.RejectUnknownKeys();
-  return config;
-}
-
 RegimeConfig LoadRegime(const std::filesystem::path& path) {
-  return ReadRegime(Section::Load(path, "sinew-regime/1"));
+  return config::Read<RegimeConfig>(config::Section::Load(path, kSchema));
 }
 
 }  // namespace sinew::regime

@@ -4,17 +4,19 @@
 #include <filesystem>
 #include <vector>
 
-#include "components/base/config/config.h"
+#include "components/base/config/fields.h"
 #include "components/robot/regime/detector.h"
 
 namespace sinew::regime {
+
+inline constexpr char kSchema[] = "sinew-regime/1";
 
 struct RegimeConfig {
   std::vector<DetectorConfig> joints;
   bool requests_motion() const;  // a joint has setup: active
 };
 
+void Describe(config::Fields& fields, RegimeConfig& config);
 RegimeConfig LoadRegime(const std::filesystem::path& path);
-RegimeConfig ReadRegime(const config::Section& section);
 
 }  // namespace sinew::regime

@@ -8,7 +8,6 @@
 #include <string>
 #include <vector>
 
-#include "components/base/config/config.h"
 #include "components/record/logger/player/playlist.h"
 #include "components/record/recording/file/file_io.h"
 #include "components/record/recording/mcap_reader.h"
@@ -69,16 +68,20 @@ RecordedMotion ReadMotion(const std::filesystem::path& path) {
 
 }  // namespace
 
+void Describe(config::Fields& f, RecordedReferenceFile& c) {
+  f.Need("recording", c.recording, "MCAP file with a motion");
+  f("soft_start_s", c.soft_start_s, config::kNotNegative, "from the measured position onto it");
+  f("start_delay_s", c.start_delay_s, config::kNotNegative, "after arming");
+  f.Word("start", c.start,
+         {{"armed", reference::StartRule::kArmed}, {"operator", reference::StartRule::kOperator}},
+         "after arming, or after the operator's start");
+}
+
 reference::RobotReferenceConfig LoadRecordedReference(const std::filesystem::path& path) {
-  const config::Section file = config::Section::Load(path, "sinew-recorded-reference/1");
-  const std::filesystem::path recording = file.ExistingPath("recording");
-  const double soft_start_s = file.NumberOr("soft_start_s", 1.0, config::kNotNegative);
-  reference::RobotReferenceConfig config;
-  config.start_delay_s = file.NumberOr("start_delay_s", 0.0, config::kNotNegative);
-  config.start = file.ChoiceOr("start", "armed", {"armed", "operator"}) == "operator"
-                     ? reference::StartRule::kOperator
-                     : reference::StartRule::kArmed;
-  file.RejectUnknownKeys();
+  const config::Section file = config::Section::Load(path, kSchema);
+  const auto [recording, soft_start_s, start_delay_s, start] =
+      config::Read<RecordedReferenceFile>(file);
+  reference::RobotReferenceConfig config{.start = start, .start_delay_s = start_delay_s};
   try {
     const RecordedMotion motion = ReadMotion(recording);
     if (motion.tick.size() < 2) {

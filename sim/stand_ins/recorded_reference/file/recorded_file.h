@@ -4,9 +4,21 @@
 
 #include <filesystem>
 
+#include "components/base/config/fields.h"
 #include "components/robot/reference/robot_reference.h"
 
 namespace sinew::stand_ins {
+
+inline constexpr char kSchema[] = "sinew-recorded-reference/1";
+
+struct RecordedReferenceFile {
+  std::filesystem::path recording;
+  double soft_start_s = 1.0;
+  double start_delay_s = 0.0;
+  reference::StartRule start = reference::StartRule::kArmed;
+};
+
+void Describe(config::Fields& fields, RecordedReferenceFile& file);
 
 // The first session of the recording whose reference asked for something, from there on, with the
 // period of its joint_state. Throws UsageError naming file and key, or what the recording lacks.

@@ -48,7 +48,7 @@ TEST(Config, NamesTheUnitThatWasExpected) {
   EXPECT_EQ(ErrorOf([&] { missing.Number("viscous_Nm_s_rad"); }),
             "f.yaml:2: key 'viscous_Nm': wrong unit, expected 'viscous_Nm_s_rad'");
   const Section optional = Make("limit_deg: 1\n");
-  optional.NumberOr("limit_rad", 0.0);
+  if (optional.Has("limit_rad")) optional.Number("limit_rad");
   EXPECT_EQ(ErrorOf([&] { optional.RejectUnknownKeys(); }),
             "f.yaml:2: key 'limit_deg': wrong unit, expected 'limit_rad'");
 }

@@ -14,8 +14,8 @@ const std::string kRig = std::string(SINEW_SOURCE_DIR) + "/robots/rig/model.yaml
 const std::string kEmps = std::string(SINEW_SOURCE_DIR) + "/robots/emps/model.yaml";
 
 ControlConfig Parse(const std::string& text) {
-  return ReadControl(config::Section::Parse("schema: sinew-control/1\n" + text, "control.yaml",
-                                            "sinew-control/1"));
+  return config::Read<ControlConfig>(config::Section::Parse("schema: sinew-control/1\n" + text,
+                                                            "control.yaml", "sinew-control/1"));
 }
 
 std::string ErrorOf(const std::string& text) {
@@ -75,7 +75,7 @@ TEST(ControlFile, ReadsATorqueOverTimeAndNamesTheRowThatIsWrong) {
 }
 
 TEST(ControlFile, AnotherModelMayTakeThePlaceOfTheNamedOne) {
-  const ControlConfig config = ReadControl(
+  const ControlConfig config = config::Read<ControlConfig>(
       config::Section::Parse("schema: sinew-control/1\njoints: [{strategy: pid_linear, model: " +
                                  kRig + ", force_limit_N: 350, pid: {proportional_N_m: 1000}}]\n",
                              "control.yaml", "sinew-control/1"),

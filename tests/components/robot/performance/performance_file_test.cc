@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <sstream>
 #include <string>
 #include <vector>
 
@@ -16,7 +15,7 @@ using ::testing::HasSubstr;
 const std::string kBipedFolder = SINEW_SOURCE_DIR "/robots/biped/";
 
 PerformanceConfig ParsePerformance(const std::string& text) {
-  return ReadPerformance(config::Section::Parse(
+  return config::Read<PerformanceConfig>(config::Section::Parse(
       "schema: sinew-performance/1\n" + text, kBipedFolder + "given.yaml", "sinew-performance/1"));
 }
 
@@ -82,17 +81,6 @@ TEST(PerformanceFile, ReportsAnErrorInOneLine) {
       EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos);
     }
   }
-}
-
-TEST(PerformanceFile, TheDocumentHasTheDefaults) {
-  std::ostringstream rows;
-  rows << "| `window_s`, `bridge_s` | " << kWindow_s << ", " << kBridge_s << " |";
-  const std::string document =
-      config::ReadFile(SINEW_SOURCE_DIR "/docs/participants/performance.md");
-  EXPECT_THAT(document, HasSubstr(rows.str()));
-  std::ostringstream band;
-  band << "`band_m` " << RobotPerformanceConfig{}.lift_band_m << " ";
-  EXPECT_THAT(document, HasSubstr(band.str()));
 }
 
 }  // namespace

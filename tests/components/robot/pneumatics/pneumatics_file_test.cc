@@ -3,16 +3,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "tests/support/doc_table.h"
-
 namespace sinew::pneumatics {
 namespace {
 
 using ::testing::HasSubstr;
 
 PneumaticsConfig Parse(const std::string& text) {
-  return ReadPneumatics(config::Section::Parse("schema: sinew-pneumatics/1\n" + text,
-                                               "pneumatics.yaml", "sinew-pneumatics/1"));
+  return config::Read<PneumaticsConfig>(config::Section::Parse(
+      "schema: sinew-pneumatics/1\n" + text, "pneumatics.yaml", "sinew-pneumatics/1"));
 }
 
 std::string ErrorOf(const std::string& text) {
@@ -62,30 +60,6 @@ TEST(PneumaticsFile, ReportsAnErrorInOneLine) {
     EXPECT_THAT(error, HasSubstr(c.says)) << c.text;
     EXPECT_THAT(error, HasSubstr("pneumatics.yaml:")) << c.text;
     EXPECT_EQ(error.find('\n'), std::string::npos) << error;
-  }
-}
-
-TEST(PneumaticsFile, TheDocumentListsTheDefaults) {
-  const std::map<std::string, std::string> listed =
-      test::DefaultsIn("docs/participants/pneumatics.md");
-  const ManagerConfig c;
-  const std::map<std::string, double> defaults = {{"max_target_bar", c.max_target_bar},
-                                                  {"max_pressure_bar", c.max_pressure_bar},
-                                                  {"band_bar", c.band_bar},
-                                                  {"lead_s", c.lead_s},
-                                                  {"settle_s", c.settle_s},
-                                                  {"filter_Hz", c.filter_Hz},
-                                                  {"sensor_lower_bar", c.sensor_lower_bar},
-                                                  {"sensor_upper_bar", c.sensor_upper_bar},
-                                                  {"sensor_time_s", c.sensor_time_s},
-                                                  {"response_s", c.response_s},
-                                                  {"response_bar", c.response_bar},
-                                                  {"feedback_time_s", c.feedback_time_s},
-                                                  {"leak_limit_bar_s", c.leak_limit_bar_s},
-                                                  {"leak_window_s", c.leak_window_s}};
-  for (const auto& [key, value] : defaults) {
-    ASSERT_EQ(listed.count(key), 1u) << key;
-    EXPECT_DOUBLE_EQ(std::stod(listed.at(key)), value) << key;
   }
 }
 

@@ -12,8 +12,8 @@ namespace {
 using ::testing::HasSubstr;
 
 LoadedReference Parse(const std::string& text) {
-  return ReadReference(config::Section::Parse("schema: sinew-reference/1\n" + text, "ref.yaml",
-                                              "sinew-reference/1"));
+  return config::Read<LoadedReference>(config::Section::Parse("schema: sinew-reference/1\n" + text,
+                                                              "ref.yaml", "sinew-reference/1"));
 }
 
 std::string ErrorOf(const std::string& text) {

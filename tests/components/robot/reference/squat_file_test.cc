@@ -26,8 +26,8 @@ std::string SquatFileError(const std::string& from, const std::string& to) {
   std::string text = ShippedFile("reference_benchmark.yaml");
   text.replace(text.find(from), from.size(), to);
   try {
-    static_cast<void>(
-        ReadReference(config::Section::Parse(text, kBiped + "changed.yaml", "sinew-reference/1")));
+    static_cast<void>(config::Read<LoadedReference>(
+        config::Section::Parse(text, kBiped + "changed.yaml", "sinew-reference/1")));
   } catch (const UsageError& error) {
     return error.what();
   }

@@ -3,17 +3,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <cmath>
-
-#include "tests/support/doc_table.h"
-
 namespace sinew::regime {
 namespace {
 
 using ::testing::HasSubstr;
 
 RegimeConfig Parse(const std::string& text) {
-  return ReadRegime(
+  return config::Read<RegimeConfig>(
       config::Section::Parse("schema: sinew-regime/1\n" + text, "regime.yaml", "sinew-regime/1"));
 }
 
@@ -59,29 +55,6 @@ TEST(RegimeFile, ReportsAnErrorInOneLine) {
     EXPECT_THAT(error, HasSubstr(c.says)) << c.text;
     EXPECT_THAT(error, HasSubstr("regime.yaml:")) << c.text;
     EXPECT_EQ(error.find('\n'), std::string::npos) << error;
-  }
-}
-
-TEST(RegimeFile, TheDocumentListsTheDefaults) {
-  const std::map<std::string, std::string> listed = test::DefaultsIn("docs/participants/regime.md");
-  const DetectorConfig c;
-  const std::map<std::string, double> defaults = {
-      {"encoder_counts_per_turn", 2.0 * M_PI / c.play.output_count_rad},
-      {"encoder_noise_rad", c.play.output_noise_rad},
-      {"hysteresis_counts", c.play.hysteresis_counts},
-      {"sampling_skew_s", c.play.sampling_skew_s},
-      {"inconsistent_rad", c.inconsistent_rad},
-      {"play_center_rad", c.play_center_rad},
-      {"setup_pressure_bar", c.setup_pressure_bar},
-      {"min_pressure_bar", c.min_pressure_bar},
-      {"setup_velocity_rad_s", c.velocity_rad_s},
-      {"setup_torque_limit_Nm", c.motor_torque_limit_Nm},
-      {"setup_travel_rad", c.travel_rad},
-      {"contact_travel_rad", c.contact_travel_rad},
-      {"setup_timeout_s", c.timeout_s}};
-  for (const auto& [key, value] : defaults) {
-    ASSERT_EQ(listed.count(key), 1u) << key;
-    EXPECT_NEAR(std::stod(listed.at(key)), value, 1e-12 * std::abs(value)) << key;
   }
 }
 

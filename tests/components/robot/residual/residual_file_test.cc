@@ -3,8 +3,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "tests/support/doc_table.h"
-
 namespace sinew::residual {
 namespace {
 
@@ -13,8 +11,8 @@ using ::testing::HasSubstr;
 const std::string kRigFolder = SINEW_SOURCE_DIR "/robots/rig/";
 
 ResidualConfig Parse(const std::string& text) {
-  return ReadResidual(config::Section::Parse("schema: sinew-residual/1\n" + text,
-                                             kRigFolder + "given.yaml", "sinew-residual/1"));
+  return config::Read<ResidualConfig>(config::Section::Parse(
+      "schema: sinew-residual/1\n" + text, kRigFolder + "given.yaml", "sinew-residual/1"));
 }
 
 TEST(ResidualFile, TheShippedOneHasTheDefaults) {
@@ -63,28 +61,6 @@ TEST(ResidualFile, ReportsAnErrorInOneLine) {
       EXPECT_THAT(error.what(), HasSubstr(c.says)) << c.text;
       EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos) << error.what();
     }
-  }
-}
-
-TEST(ResidualFile, TheDocumentListsTheDefaults) {
-  const std::map<std::string, std::string> listed =
-      test::DefaultsIn("docs/participants/residual.md");
-  const MonitorConfig c;
-  const std::map<std::string, double> defaults = {{"window_s", c.window_s},
-                                                  {"block_s", c.block_s},
-                                                  {"learn_s", c.learn_s},
-                                                  {"watch_s", c.watch_s},
-                                                  {"false_alarm_h", c.false_alarm_h},
-                                                  {"slack_share", c.slack_share},
-                                                  {"slack_Nm", c.slack_Nm},
-                                                  {"drift_1_h", c.drift_1_h},
-                                                  {"rest_velocity_rad_s", c.rest_velocity_rad_s},
-                                                  {"reversal_guard_s", c.reversal_guard_s},
-                                                  {"settle_distance_rad", c.settle_distance_rad},
-                                                  {"not_excited_after_s", c.not_excited_after_s}};
-  for (const auto& [key, value] : defaults) {
-    ASSERT_EQ(listed.count(key), 1u) << key;
-    EXPECT_DOUBLE_EQ(std::stod(listed.at(key)), value) << key;
   }
 }
 

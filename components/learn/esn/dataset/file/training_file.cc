@@ -1,108 +1,118 @@
 #include "components/learn/esn/dataset/file/training_file.h"
 
 #include <optional>
-#include <stdexcept>
-
-#include "components/base/config/config.h"
 
 namespace sinew::esn {
-namespace {
+using config::kNotNegative;
+using config::kPositive;
 
-constexpr std::string_view kSchema = "sinew-esn-train/1";
-
-NetworkPlan ReadNetwork(const config::Section& s, double rate_Hz) {
-  NetworkPlan plan;
-  plan.name = s.Text("name");
-  DatasetConfig& data = plan.dataset;
-  TrainingConfig& training = plan.training;
-
-  const std::vector<std::string> targets = {"drive_torque_Nm", "load_torque_Nm"};
-  data.target =
-      s.Choice("target", targets) == targets[0] ? Target::kDriveTorque : Target::kLoadTorque;
-  const std::string region = s.Choice("region", {"inside", "outside", "all"});
-  data.region = region == "inside"    ? Region::kInside
-                : region == "outside" ? Region::kOutside
-                                      : Region::kAll;
-  plan.all_joints = s.ChoiceOr("joints", "one", {"one", "all"}) == "all";
-  if (plan.all_joints && data.region != Region::kAll) {
-    s.Fail("region", "'" + region + "', expected 'all' with 'joints: all'");
-  }
-  for (const std::string& name : s.TextsOr("inputs", {})) {
-    const std::optional<Signal> signal = SignalFromName(name);
-    if (!signal) s.Fail("inputs", "'" + name + "', expected " + std::string(SignalNames()));
-    if (plan.all_joints && *signal == Signal::kPlayAngle) {
-      s.Fail("inputs", "'" + name + "', expected none of it with 'joints: all'");
-    }
-    data.inputs.push_back(*signal);
-  }
-  if (data.inputs.empty())
-    s.Fail("inputs", "missing, expected a list of " + std::string(SignalNames()));
-  data.period_s = 1.0 / rate_Hz;
-  data.smoothing_Hz = s.NumberOr("smoothing_Hz", data.smoothing_Hz, config::kPositive);
-  data.derivatives_from_motor =
-      s.ChoiceOr("derivatives_from", "output", {"output", "motor"}) == "motor";
-  if (s.BoolOr("play_centre_from_data", false)) {
-    data.play_centre_rad.reset();
-  } else {
-    data.play_centre_rad = s.NumberOr("play_centre_rad", 0.0);
-  }
-  data.play_margin_rad = s.NumberOr("play_margin_rad", data.play_margin_rad, config::kNotNegative);
-  data.region_guard_s = s.NumberOr("region_guard_s", data.region_guard_s, config::kNotNegative);
-  data.blocks = static_cast<int>(s.IntegerOr("blocks", data.blocks, {1, 1000}));
-  data.train_share = s.NumberOr("train_share", data.train_share, {1e-3, 1.0});
-
-  Hyperparameters& hyper = training.hyper;
-  hyper.neurons = static_cast<int>(s.Integer("neurons", {1, 5000}));
-  hyper.spectral_radius = s.NumberOr("spectral_radius", hyper.spectral_radius, config::kPositive);
-  hyper.input_variance = s.NumberOr("input_variance", hyper.input_variance, config::kPositive);
-  hyper.density = s.NumberOr("density", hyper.density, {1e-6, 1.0});
-  hyper.shared_rows = static_cast<int>(s.IntegerOr("shared_rows", hyper.shared_rows, {1, 4}));
-  if (hyper.shared_rows != 1 && hyper.shared_rows != 4) {
-    s.Fail("shared_rows", std::to_string(hyper.shared_rows) + ", expected 1 or 4");
-  }
-  hyper.leak = s.NumberOr("leak", hyper.leak, {1e-9, 1.0});
-  hyper.input_limit = s.NumberOr("input_limit", hyper.input_limit, config::kPositive);
-  hyper.seed = static_cast<std::uint64_t>(s.IntegerOr("seed", 1, config::kNotNegative));
-  training.period_s = data.period_s;
-  training.washout_s = s.NumberOr("washout_s", training.washout_s, config::kNotNegative);
-  if (s.Has("ridge_beta")) training.ridge_beta = s.Number("ridge_beta", config::kNotNegative);
-  training.beta_lower = s.NumberOr("ridge_beta_lower", training.beta_lower, config::kPositive);
-  training.beta_upper = s.NumberOr("ridge_beta_upper", training.beta_upper, config::kPositive);
-  if (!(training.beta_upper > training.beta_lower)) {
-    s.Fail("ridge_beta_upper",
-           std::to_string(training.beta_upper) + ", expected above ridge_beta_lower");
-  }
-  training.beta_count =
-      static_cast<int>(s.IntegerOr("ridge_beta_count", training.beta_count, {2, 1000}));
-  s.RejectUnknownKeys();
-  return plan;
+static void Describe(config::Fields& f, Hyperparameters& c) {
+  f.Need("neurons", c.neurons, {1, 5000}, "N");
+  f("spectral_radius", c.spectral_radius, kPositive, "rho");
+  f("input_variance", c.input_variance, kPositive, "alpha, of normalised inputs");
+  f("density", c.density, {1e-6, 1.0}, "share of W that is not zero");
+  f("shared_rows", c.shared_rows, {1, 4}, "rows of W with the same columns, 4 or 1");
+  f("leak", c.leak, {1e-9, 1.0}, "tau");
+  f("input_limit", c.input_limit, kPositive, "standard deviations");
+  f("seed", c.seed, kNotNegative, "of the random reservoir");
 }
 
-NetworkPlan Read(const config::Section& root, const std::string& network) {
-  const double rate_Hz = root.Number("rate_Hz", config::kPositive);
-  std::optional<NetworkPlan> chosen;
-  std::string names;
-  for (const config::Section& section : root.List("networks")) {
-    NetworkPlan plan = ReadNetwork(section, rate_Hz);
-    names += (names.empty() ? "" : ", ") + plan.name;
-    if (plan.name != network) continue;
-    if (chosen) section.Fail("name", "'" + network + "' twice, expected each network once");
-    chosen = std::move(plan);
+static void Describe(config::Fields& f, TrainingConfig& c) {
+  Describe(f, c.hyper);
+  f("washout_s", c.washout_s, kNotNegative, "the start of every sequence, used for nothing");
+  f("ridge_beta", c.ridge_beta, kNotNegative, "left out: the best of the following by GCV");
+  f("ridge_beta_lower", c.beta_lower, kPositive, "from here");
+  f("ridge_beta_upper", c.beta_upper, kPositive, "to here");
+  f("ridge_beta_count", c.beta_count, {2, 1000}, "so many");
+}
+
+static void DescribeInputs(config::Fields& f, bool all_joints, DatasetConfig* c) {
+  std::vector<std::string> inputs;
+  f.Need("inputs", inputs, "signals of docs/formats_esn.md");
+  for (const std::string& name : inputs) {
+    const std::optional<Signal> signal = SignalFromName(name);
+    if (!signal) f.Fail("inputs", "'" + name + "', expected " + std::string(SignalNames()));
+    if (all_joints && *signal == Signal::kPlayAngle) {
+      f.Fail("inputs", "'" + name + "', expected none of it with 'joints: all'");
+    }
+    c->inputs.push_back(*signal);
   }
-  root.RejectUnknownKeys();
+  if (f.reads() && inputs.empty()) {
+    f.Fail("inputs", "missing, expected a list of " + std::string(SignalNames()));
+  }
+}
+
+static void Describe(config::Fields& f, DatasetConfig& c) {
+  bool from_data = false;
+  f("smoothing_Hz", c.smoothing_Hz, kPositive, "zero-phase filter before differentiation");
+  f.Word("derivatives_from", c.derivatives_from_motor, {{"output", false}, {"motor", true}},
+         "motor: finer by the gear, right outside the backlash");
+  f("play_centre_from_data", from_data, "midway between the extremes that were recorded");
+  double centre_rad = 0.0;
+  f("play_centre_rad", centre_rad, "of the play; the middle of the contacts");
+  c.play_centre_rad = from_data ? std::nullopt : std::optional(centre_rad);
+  f("play_margin_rad", c.play_margin_rad, kNotNegative, "nearer to a contact is neither region");
+  f("region_guard_s", c.region_guard_s, kNotNegative,
+    "samples this near to the other region teach nothing: impacts of the teeth");
+  f("blocks", c.blocks, {1, 1000}, "parts of a recording");
+  f("train_share", c.train_share, {1e-3, 1.0}, "the first part of a block trains, the rest tests");
+}
+
+static void Describe(config::Fields& f, NetworkPlan& plan, double rate_Hz) {
+  DatasetConfig& data = plan.dataset;
+  f.Need("name", plan.name, "sinew train --network NAME");
+  f.NeedWord("target", data.target,
+             {{"drive_torque_Nm", Target::kDriveTorque}, {"load_torque_Nm", Target::kLoadTorque}},
+             "load torque: load force x link length");
+  const auto region = f.NeedWord(
+      "region", data.region,
+      {{"inside", Region::kInside}, {"outside", Region::kOutside}, {"all", Region::kAll}},
+      "of the backlash: samples that teach");
+  f.Word("joints", plan.all_joints, {{"one", false}, {"all", true}},
+         "all: one network for the whole robot, inputs side by side");
+  if (plan.all_joints && data.region != Region::kAll) {
+    f.Fail("region", "'" + region.word + "', expected 'all' with 'joints: all'");
+  }
+  DescribeInputs(f, plan.all_joints, &data);
+  Describe(f, data);
+  Describe(f, plan.training);
+  data.period_s = plan.training.period_s = 1.0 / rate_Hz;
+  const int rows = plan.training.hyper.shared_rows;
+  f.Require(rows == 1 || rows == 4, "shared_rows", std::to_string(rows) + ", expected 1 or 4");
+  f.Require(plan.training.beta_upper > plan.training.beta_lower, "ridge_beta_upper",
+            std::to_string(plan.training.beta_upper) + ", expected above ridge_beta_lower");
+}
+
+void Describe(config::Fields& f, TrainingPlan& c) {
+  f.Need("rate_Hz", c.rate_Hz, kPositive, "of the networks");
+  f.NeedList("networks", {1}, "each by its name", [&](config::Fields& network) {
+    Describe(network, c.networks.emplace_back(), c.rate_Hz);
+  });
+}
+
+static NetworkPlan Chosen(const config::Section& root, const std::string& network) {
+  const NetworkPlan* chosen = nullptr;
+  std::string names;
+  const auto plan = config::Read<TrainingPlan>(root);
+  for (const NetworkPlan& one : plan.networks) {
+    names += (names.empty() ? "" : ", ") + one.name;
+    if (one.name != network) continue;
+    if (chosen != nullptr) {
+      root.Fail("networks", "name '" + network + "' twice, expected each network once");
+    }
+    chosen = &one;
+  }
   if (!chosen) root.Fail("networks", "no network '" + network + "', expected one of " + names);
   return *chosen;
 }
 
-}  // namespace
-
 NetworkPlan LoadNetworkPlan(const std::filesystem::path& path, const std::string& network) {
-  return Read(config::Section::Load(path, kSchema), network);
+  return Chosen(config::Section::Load(path, kTrainSchema), network);
 }
 
 NetworkPlan ParseNetworkPlan(const std::string& text, const std::string& name,
                              const std::string& network) {
-  return Read(config::Section::Parse(text, name, kSchema), network);
+  return Chosen(config::Section::Parse(text, name, kTrainSchema), network);
 }
 
 }  // namespace sinew::esn

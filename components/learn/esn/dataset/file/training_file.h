@@ -1,24 +1,17 @@
 // What to train and how: schema sinew-esn-train/1, described in docs/formats_esn.md.
-//
-//   schema: sinew-esn-train/1
-//   rate_Hz: 240
-//   networks:
-//     - name: pea
-//       target: drive_torque_Nm          # or load_torque_Nm
-//       region: outside                  # inside, all
-//       joints: one                      # or all: one network for the whole robot
-//       inputs: [reference_position_rad, reference_velocity_rad_s, chamber_pressure_bar]
-//       neurons: 78
-//       ...
 #pragma once
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
+#include "components/base/config/fields.h"
 #include "components/learn/esn/dataset/dataset.h"
 #include "components/learn/esn/training.h"
 
 namespace sinew::esn {
+
+inline constexpr char kTrainSchema[] = "sinew-esn-train/1";
 
 struct NetworkPlan {
   std::string name;
@@ -26,6 +19,12 @@ struct NetworkPlan {
   DatasetConfig dataset;
   TrainingConfig training;
 };
+
+struct TrainingPlan {
+  double rate_Hz = 240.0;
+  std::vector<NetworkPlan> networks;
+};
+void Describe(config::Fields& fields, TrainingPlan& plan);
 
 // The plan of a network. Throws UsageError: file, line, key, expected; for a network that is not
 // there it names those that are.
