@@ -55,9 +55,8 @@ FitResult FitModel(const Design& design, const actuator::JointModel& model,
   FitResult out;
   out.model = model;
   const Eigen::Index used = static_cast<Eigen::Index>(design.rows().UsedRows().size());
-  const auto solve = [&](bool keep_scale) {
-    out.keep_scale = keep_scale;
-    out.balance = MakeBalance(design, model, keep_scale);
+  const auto solve = [&](std::optional<bool> fits_scale) {
+    out.balance = MakeBalance(design, model, fits_scale);
     if (used < 3 * out.balance.columns.cols() || blocks.size() < 2) {
       throw TooLittleData("recordings have " + std::to_string(used) +
                           " moving rows after filtering, too few to fit " +
@@ -74,13 +73,13 @@ FitResult FitModel(const Design& design, const actuator::JointModel& model,
     }
     return BlockCovariance(parts, out.coefficients);
   };
-  Eigen::MatrixXd covariance = solve(false);
+  Eigen::MatrixXd covariance = solve(std::nullopt);
   if (out.balance.fits_scale) {
     // A scale known worse than by its tolerance (at least 5 %) is not known from this data.
     const double tolerance = std::max(0.05, out.balance.spread[0] / out.balance.nominal[0]);
     if (out.coefficients[0] <= 0.0 ||
         std::sqrt(covariance(0, 0)) > tolerance * std::abs(out.coefficients[0])) {
-      covariance = solve(true);
+      covariance = solve(false);
     }
   }
   out.balance.Apply(out.coefficients, &out.model);

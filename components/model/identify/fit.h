@@ -21,7 +21,6 @@ struct FitResult {
   Eigen::VectorXd residual;      // torque at the output, every row
   double rms = 0.0;              // of the residual over used rows
   double percent = 0.0;          // 100 |residual| / |drive torque| over used rows
-  bool keep_scale = false;       // the drive factor could not be identified and was kept
 };
 
 // Error of a model as it is on any design.

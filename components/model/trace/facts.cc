@@ -20,14 +20,14 @@ constexpr double kUnassessed = 0.75;
 class HeldOutBalance {
  public:
   HeldOutBalance(const Problem& problem, const identify::Design& design,
-                 const actuator::JointModel& declared_fit, bool keep_scale, const Likelihood& train)
+                 const identify::FitResult& declared_fit, const Likelihood& train)
       : problem_(problem), design_(design) {
     likelihood_.no_nuisance = train.no_nuisance;
     likelihood_.used = MakeUsedRows(design, kFewestRowsPerBlock);
-    const identify::Balance balance = identify::MakeBalance(design, declared_fit, keep_scale);
-    usable_ =
-        balance.columns.cols() == problem.bank.parameters && used().size() >= kFewestRowsPerBlock;
+    usable_ = used().size() >= kFewestRowsPerBlock;
     if (!usable_) return;
+    const identify::Balance balance =
+        identify::MakeBalance(design, declared_fit.model, declared_fit.balance.fits_scale);
     declared_ = used().Of(balance.columns);
     target_ = balance.target(used().rows);
   }
@@ -135,14 +135,14 @@ double CurveBeside(const Problem& problem, const EffectSet& set) {
 }
 
 std::vector<ZeroTurn> FindZeroTurns(const Problem& problem, const EffectSet& set, std::size_t k,
-                                    const actuator::JointModel& declared_fit, bool keep_scale,
+                                    const identify::FitResult& declared_fit,
                                     const Likelihood& train, identify::Design* held_out) {
   std::vector<ZeroTurn> out;
   const Hypothesis& member = problem.hypotheses()[set.members[k]];
   if (member.effect->info().ripple != effects::Side::kMotor || member.settings.size() < 2) {
     return out;
   }
-  const HeldOutBalance balance(problem, *held_out, declared_fit, keep_scale, train);
+  const HeldOutBalance balance(problem, *held_out, declared_fit, train);
   if (!balance.usable()) return out;
   Eigen::Index at = 0;
   for (std::size_t j = 0; j < k; ++j) {
@@ -153,7 +153,7 @@ std::vector<ZeroTurn> FindZeroTurns(const Problem& problem, const EffectSet& set
   const Eigen::VectorXd rest = balance.Left(set) + columns * c;
   // The noise is what lines of any size and phase leave there.
   Likelihood likelihood = balance.likelihood();
-  LearnNoise(*held_out, identify::LeftBy(columns, rest), declared_fit.balance, &likelihood);
+  LearnNoise(*held_out, identify::LeftBy(columns, rest), declared_fit.model.balance, &likelihood);
   for (std::size_t run = 0; run < held_out->states().run_names.size(); ++run) {
     Eigen::VectorXd of_run = Eigen::VectorXd::Zero(rest.size());
     for (Eigen::Index i = 0; i < rest.size(); ++i) {
@@ -172,20 +172,20 @@ std::vector<ZeroTurn> FindZeroTurns(const Problem& problem, const EffectSet& set
 }
 
 Facts FactsOf(const Problem& problem, const EffectSet& set, std::size_t k,
-              const identify::Design& held_out, const actuator::JointModel& declared_fit,
-              bool keep_scale, const Likelihood& train) {
+              const identify::Design& held_out, const identify::FitResult& declared_fit,
+              const Likelihood& train) {
   Facts out;
   const Hypothesis& member = problem.hypotheses()[set.members[k]];
   const EffectSet without = WithoutMember(problem.evidence, problem.hypotheses(), set, k);
   if (member.effect->info().event) return out;
 
-  const HeldOutBalance balance(problem, held_out, declared_fit, keep_scale, train);
+  const HeldOutBalance balance(problem, held_out, declared_fit, train);
   if (!balance.usable()) return out;
   // What the member changes, the declared terms refitted in training with and without it.
   const Eigen::VectorXd rest = balance.Left(set);
   const Eigen::VectorXd own = balance.Left(without) - rest;
   Likelihood likelihood = balance.likelihood();
-  const Nuisances nuisances = MakeNuisances(held_out, likelihood, declared_fit);
+  const Nuisances nuisances = MakeNuisances(held_out, likelihood, declared_fit.model);
   const Prior prior{
       nuisances.mean,
       (nuisances.spread.array() > 0.0).select(nuisances.spread.array().square().inverse(), 0.0)};
@@ -195,7 +195,7 @@ Facts FactsOf(const Problem& problem, const EffectSet& set, std::size_t k,
     if (train.noise.order() == 0) {
       SetNoise(left_over, left_over.size(), 0, &likelihood);
     } else {
-      LearnNoise(held_out, left_over, declared_fit.balance, &likelihood);
+      LearnNoise(held_out, left_over, declared_fit.model.balance, &likelihood);
     }
   };
   learn(rest);

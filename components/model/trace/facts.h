@@ -38,12 +38,12 @@ double CurveBeside(const Problem& problem, const EffectSet& set);
 // motor's shaft with it: where lines of member k, two at least (one alone can be turned to fit
 // anything), explain more of a held-out recording by another zero, the design gets that zero.
 std::vector<ZeroTurn> FindZeroTurns(const Problem& problem, const EffectSet& set, std::size_t k,
-                                    const actuator::JointModel& declared_fit, bool keep_scale,
+                                    const identify::FitResult& declared_fit,
                                     const Likelihood& train, identify::Design* held_out);
 
 // Facts of member k without the curve. held_out: its drive predicted by the fit in training.
 Facts FactsOf(const Problem& problem, const EffectSet& set, std::size_t k,
-              const identify::Design& held_out, const actuator::JointModel& declared_fit,
-              bool keep_scale, const Likelihood& train);
+              const identify::Design& held_out, const identify::FitResult& declared_fit,
+              const Likelihood& train);
 
 }  // namespace sinew::trace

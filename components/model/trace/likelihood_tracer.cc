@@ -322,14 +322,13 @@ class Correction {
       held_out_.SetMotorTurn(static_cast<int>(run), 0.0);
     }
     for (std::size_t k = 0; k < set_.members.size(); ++k) {
-      const std::vector<ZeroTurn> found = FindZeroTurns(
-          problem_, set_, k, searched_.model, whitened_.keep_scale, whitened_, &held_out_);
+      const std::vector<ZeroTurn> found =
+          FindZeroTurns(problem_, set_, k, searched_, whitened_, &held_out_);
       zero_turns_.insert(zero_turns_.end(), found.begin(), found.end());
     }
     const double curve = CurveBeside(problem_, set_);
     for (std::size_t k = 0; k < set_.members.size(); ++k) {
-      facts_.push_back(
-          FactsOf(problem_, set_, k, held_out_, searched_.model, whitened_.keep_scale, whitened_));
+      facts_.push_back(FactsOf(problem_, set_, k, held_out_, searched_, whitened_));
       facts_.back().curve = curve;
     }
   }

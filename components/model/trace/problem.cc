@@ -1,5 +1,6 @@
 #include "components/model/trace/problem.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -195,9 +196,11 @@ LikelihoodFit EstimateLikelihood(identify::Design* design, const actuator::Joint
   if (out.fit.balance.fits_scale) {
     const double error = std::sqrt(std::max(0.0, out.fit.covariance(0, 0))) /
                          std::abs(out.fit.balance.Scale(out.fit.coefficients));
-    likelihood.keep_scale =
-        out.fit.coefficients[0] <= 0.0 || (out.fit.balance.spread[0] == 0.0 && error > kScaleKnown);
-    if (likelihood.keep_scale) out.fit = FitWhitened(*design, likelihood, declared);
+    if (out.fit.coefficients[0] <= 0.0 ||
+        (out.fit.balance.spread[0] == 0.0 && error > kScaleKnown)) {
+      likelihood.fits_scale = false;
+      out.fit = FitWhitened(*design, likelihood, declared);
+    }
   }
   likelihood.predicted_rate = PredictedRateGainsMore(design, likelihood, declared, out.fit);
   design->UsePredictedRate(likelihood.predicted_rate);
@@ -270,7 +273,8 @@ Likelihood CompareBands(identify::Design* other, const actuator::JointModel& dec
 Likelihood LikelihoodOf(const identify::Design& design, const identify::FitResult& fit, int order) {
   Likelihood out;
   out.used = MakeUsedRows(design, kFewestRowsPerBlock);
-  const identify::Balance balance = identify::MakeBalance(design, fit.model, fit.keep_scale);
+  const identify::Balance balance =
+      identify::MakeBalance(design, fit.model, fit.balance.fits_scale);
   const Eigen::VectorXd rest = (balance.target - balance.columns * fit.coefficients)(out.used.rows);
   SetNoise(rest, ScaleWindow(design), order, &out);
   return out;

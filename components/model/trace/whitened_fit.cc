@@ -268,8 +268,7 @@ identify::FitResult FitWhitened(const identify::Design& design, const Likelihood
   const UsedRows& used = likelihood.used;
   identify::FitResult out;
   out.model = model;
-  out.keep_scale = likelihood.keep_scale;
-  out.balance = identify::MakeBalance(design, model, likelihood.keep_scale);
+  out.balance = identify::MakeBalance(design, model, likelihood.fits_scale);
   const Eigen::Index p = out.balance.columns.cols();
   if (used.size() < 3 * p || used.blocks.size() < 2) {
     throw identify::TooLittleData("recordings have " + std::to_string(used.size()) +
@@ -319,7 +318,7 @@ identify::FitResult RefineWhitened(const identify::Design& design, const Likelih
   actuator::JointModel at = model;
   const std::vector<Free> free = FreeShapes(design, model);
   const auto misfit = [&](const actuator::JointModel& trial) {
-    const Balance balance = identify::MakeBalance(design, trial, likelihood.keep_scale);
+    const Balance balance = identify::MakeBalance(design, trial, likelihood.fits_scale);
     const Regression regression = MakeRegression(design, likelihood, trial, balance);
     return regression.Misfit(regression.Solve());
   };
@@ -352,7 +351,7 @@ identify::FitResult RefineWhitened(const identify::Design& design, const Likelih
 std::vector<std::string> ImplausibleNuisances(const identify::Design& design,
                                               const Likelihood& likelihood,
                                               const actuator::JointModel& model) {
-  const Balance balance = identify::MakeBalance(design, model, likelihood.keep_scale);
+  const Balance balance = identify::MakeBalance(design, model, likelihood.fits_scale);
   const Nuisances nuisances = MakeNuisances(design, likelihood, model);
   Regression regression = MakeRegression(design, likelihood, model, balance);
   const Eigen::Index first = balance.columns.cols();

@@ -27,7 +27,7 @@ TEST(Fit, NoiseFreeRecordingsGiveTheParametersBack) {
   const actuator::JointModel truth = SyntheticModel();
   const Design design = MakeDesign({SyntheticRun(truth, {.noise_A = 0.0})}, truth);
   const FitResult fit = FitModel(design, Detuned(), BlocksOf(design));
-  EXPECT_FALSE(fit.keep_scale);
+  EXPECT_TRUE(fit.balance.fits_scale);
   for (std::size_t t = 0; t < truth.terms.size(); ++t) {
     // Left: the reversals' Coulomb steps against the state filter.
     EXPECT_NEAR(fit.model.terms[t].linear[0].value, truth.terms[t].linear[0].value,
@@ -74,6 +74,20 @@ TEST(Fit, WithoutAKnownTorqueTheScaleStaysNominal) {
   EXPECT_DOUBLE_EQ(fit.model.terms[0].linear[0].value, 0.9);
   // Everything else is seen in proportion.
   EXPECT_NEAR(fit.model.terms[1].linear[0].value, 0.3 * 0.9 / 0.8, 0.005);
+}
+
+// A held-out recording may lack the load that set the scale in training.
+TEST(Fit, ABalanceHasTheFormOfOtherRecordingsWhereThatIsGiven) {
+  const actuator::JointModel model = SyntheticModel();
+  const Design loaded = MakeDesign({SyntheticRun(model, {})}, model);
+  const Design unloaded = MakeDesign({SyntheticRun(model, {.seed = 2, .load_N = 0.0})}, model);
+  const Balance train = MakeBalance(loaded, model), own = MakeBalance(unloaded, model);
+  ASSERT_TRUE(train.fits_scale);
+  EXPECT_FALSE(own.fits_scale);
+  const Balance alike = MakeBalance(unloaded, model, train.fits_scale);
+  EXPECT_TRUE(alike.fits_scale);
+  EXPECT_EQ(alike.columns.cols(), train.columns.cols());
+  EXPECT_EQ(alike.nominal, train.nominal);
 }
 
 TEST(Fit, ResidualOfTheTrueModelIsTheNoise) {

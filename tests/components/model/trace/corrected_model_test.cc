@@ -44,6 +44,18 @@ TEST(CorrectedModel, HoldsAnEffectThatTheHeldOutRecordingConfirms) {
   EXPECT_LT(result.after_held_out.rms, result.before_held_out.rms);
 }
 
+// Without a known torque the held-out recording alone does not set the drive's scale: the balance
+// has training's form, or no coefficient of it would mean the same there.
+TEST(CorrectedModel, HoldsAnEffectThatARecordingWithoutTheTrainedLoadConfirms) {
+  const TraceResult result = TraceHeldOut(
+      RunWithDrag({.rate_Hz = 100.0, .seed = 3, .noise_A = 0.05, .load_N = 0.0}), false);
+  ASSERT_EQ(result.effects.size(), 1u);
+  EXPECT_TRUE(result.corrected_fit.balance.fits_scale);
+  const Confirmation& confirmation = result.effects[0].confirmation;
+  EXPECT_EQ(confirmation.verdict, ConfirmationVerdict::kConfirmed);
+  EXPECT_NEAR(confirmation.slope, 1.0, 0.05);
+}
+
 // The held-out joint has two and a half times the drag: it is there, but not as trained.
 TEST(CorrectedModel, LeavesOutWhatTheHeldOutRecordingDoesNotConfirmUnlessAsked) {
   const types::Run other =
