@@ -66,8 +66,8 @@ Regression MakeRegression(const identify::Design& design, const Likelihood& like
 
 // Coefficients within their physical range (friction does not drive): one that would leave it is
 // held at its bound.
-Eigen::VectorXd SolveWithinRange(const Balance& balance, const actuator::JointModel& model,
-                                 Regression* regression) {
+Eigen::VectorXd SolveWithinRange(const identify::Design& design, const Balance& balance,
+                                 const actuator::JointModel& model, Regression* regression) {
   const Eigen::Index first = balance.fits_scale ? 1 : 0;
   const Eigen::Index p = balance.columns.cols();
   Eigen::VectorXd b = regression->Solve();
@@ -78,11 +78,13 @@ Eigen::VectorXd SolveWithinRange(const Balance& balance, const actuator::JointMo
     for (Eigen::Index i = first; i < p; ++i) {
       const ParameterRef& ref = balance.parameters[static_cast<std::size_t>(i - first)];
       const actuator::Term& term = TermOf(model, ref);
-      const effects::ParameterInfo& info =
-          term.effect->info().linear[static_cast<std::size_t>(ref.linear)];
+      const auto linear = static_cast<std::size_t>(ref.linear);
+      const effects::ParameterInfo& info = term.effect->info().linear[linear];
       char& mark = is_held[static_cast<std::size_t>(i)];
       if (mark != 0 || info.relative_to_drive) continue;
-      const Range range = RangeOnAnyMachine(info);
+      const Range range = term.declared ? RangeOnAnyMachine(info)
+                                        : RangeOfAddition(design, model, *term.effect,
+                                                          actuator::NonlinearValues(term), linear);
       const double bound = std::clamp(scale * b[i], range.lower, range.upper) / scale;
       if (bound == b[i]) continue;
       regression->Hold(i, bound);
@@ -276,7 +278,7 @@ identify::FitResult FitWhitened(const identify::Design& design, const Likelihood
                                   " parameters");
   }
   Regression regression = MakeRegression(design, likelihood, model, out.balance);
-  const Eigen::VectorXd b = SolveWithinRange(out.balance, model, &regression);
+  const Eigen::VectorXd b = SolveWithinRange(design, out.balance, model, &regression);
   const Eigen::MatrixXd covariance = Covariance(regression, b, used.blocks).topLeftCorner(p, p);
   out.coefficients = b.head(p);
   // d physical / d coefficients.
