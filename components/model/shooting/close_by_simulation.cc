@@ -25,7 +25,6 @@ namespace {
 using trace::ConfirmationVerdict;
 using trace::EffectSet;
 using trace::FoundEffect;
-using trace::Limit;
 using trace::TraceResult;
 namespace rules = trace::rules;
 
@@ -51,6 +50,7 @@ class Closer {
   TraceResult Run() {
     Progress("fit of the declared terms by simulation", 0.05);
     out_.by_simulation = true;
+    out_.in_force = options_.in_force;
     out_.nominal = joint_;
     fit_ = FitBySimulation(train_, joint_, joint_);
     out_.nominal_train = ErrorOf(train_, joint_);
@@ -99,8 +99,8 @@ class Closer {
 
   // The search about the present fit; true: an effect was added to it.
   bool Look(bool first, bool adds, std::set<std::string>* refused) {
-    const Regression regression =
-        MakeRegression(train_, fit_, FreeParameters(train_, fit_.model, joint_), true);
+    const Regression regression = MakeRegression(
+        train_, fit_, FreeParameters(train_, fit_.model, joint_), &options_.in_force);
     Noise noise;
     const trace::Problem problem = ProblemWithNoise(regression, train_, &noise);
     SetHalfWidths(regression, noise, &fit_.model);
@@ -220,7 +220,7 @@ class Closer {
       return true;
     }
     found.term = -1;
-    if (refuted || found.score >= Limit(rules::kOpen)) {
+    if (refuted || found.score >= options_.in_force.Limit(rules::kOpen)) {
       (refuted ? out_.refuted : out_.open).push_back(std::move(found));
     }
     return false;
@@ -253,7 +253,7 @@ class Closer {
   // beside it; number of blocks.
   int AssessSlope(const actuator::JointModel& with, trace::Facts* facts) const {
     const Fit start = FitStart(held_out_, with);
-    const Regression there = MakeRegression(held_out_, start, {}, false);
+    const Regression there = MakeRegression(held_out_, start, {}, nullptr);
     const Eigen::VectorXd own =
         held_out_.Stacked(with, start.start) - held_out_.Stacked(fit_.model, start.start);
     Eigen::VectorXd rest = there.target;
@@ -284,10 +284,10 @@ class Closer {
     if (refusal) {
       said.verdict = ConfirmationVerdict::kRefuted;
       found->refusal = *refusal;
-    } else if (found->score >= Limit(rules::kScore)) {
+    } else if (found->score >= options_.in_force.Limit(rules::kScore)) {
       said.verdict = ConfirmationVerdict::kConfirmed;
     } else {
-      found->refusal = trace::RefusedBy(rules::kScore, found->score);
+      found->refusal = options_.in_force.RefusedBy(rules::kScore, found->score);
     }
   }
 
@@ -297,12 +297,14 @@ class Closer {
     double before = found.held_out_before;
     if (second) before = std::min(before, out_.nominal_held_out.rms);
     const double rise = found.held_out_after / before;
-    if (rise > Limit(rules::kRaises)) return trace::RefusedBy(rules::kRaises, rise);
+    if (rise > options_.in_force.Limit(rules::kRaises))
+      return options_.in_force.RefusedBy(rules::kRaises, rise);
     const auto squares = [](double from, double to) { return from * from - to * to; };
     const double taken = squares(out_.before_train.rms, found.train_before);
     const double share = squares(found.train_before, found.train_after) / taken;
-    if (out_.effects.empty() || share > Limit(rules::kShapeMisfit)) return std::nullopt;
-    return trace::RefusedBy(rules::kShapeMisfit, share);
+    if (out_.effects.empty() || share > options_.in_force.Limit(rules::kShapeMisfit))
+      return std::nullopt;
+    return options_.in_force.RefusedBy(rules::kShapeMisfit, share);
   }
 
   void Finish() {
@@ -387,20 +389,21 @@ trace::LoopResult CloseBySimulation(const std::vector<types::Run>& train,
     for (const auto& [recordings, rule] :
          {std::pair{&trained, &rules::kBlocks}, std::pair{&tested, &rules::kHeldOutBlocks}}) {
       const auto pieces = static_cast<double>(recordings->pieces().size());
-      if (pieces >= Limit(*rule)) continue;
+      if (pieces >= options.in_force.Limit(*rule)) continue;
       return TooLittle(std::move(loop), joint,
                        {.rule = rule->id,
                         .statistic = pieces,
-                        .limit = Limit(*rule),
+                        .limit = options.in_force.Limit(*rule),
                         .reason = "the recordings have too few pieces to simulate"});
     }
     loop.trace = Closer(trained, tested, joint, options).Run();
     loop.train.emplace(trained.design());
     loop.held_out.emplace(tested.design());
   } catch (const identify::TooLittleData& error) {
-    return TooLittle(
-        std::move(loop), joint,
-        {.rule = rules::kRows.id, .limit = Limit(rules::kRows), .reason = error.what()});
+    return TooLittle(std::move(loop), joint,
+                     {.rule = rules::kRows.id,
+                      .limit = options.in_force.Limit(rules::kRows),
+                      .reason = error.what()});
   }
   return loop;
 }

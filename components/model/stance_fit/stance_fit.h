@@ -53,6 +53,7 @@ struct Tolerances {
 };
 
 struct StanceOptions {
+  trace::InForce in_force{};
   Tolerances tolerances;
   std::uint64_t seed = 1;
   int sign_flip_rounds = 999;

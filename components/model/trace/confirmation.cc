@@ -25,7 +25,7 @@ Confirmation ConfirmSlope(const Eigen::Ref<const Eigen::VectorXd>& left_over,
   Confirmation out;
   out.blocks = static_cast<int>(blocks.size());
   const double power = change.squaredNorm();
-  if (!(power > 0.0) || static_cast<double>(blocks.size()) < Limit(rules::kHeldOutBlocks))
+  if (!(power > 0.0) || static_cast<double>(blocks.size()) < rules::kHeldOutBlocks.limit)
     return out;
   out.slope = change.dot(left_over) / power;
   double meat = 0.0;

@@ -84,10 +84,10 @@ Eigen::VectorXd Turned(const Hypothesis& lines, const Eigen::VectorXd& c, double
   return out;
 }
 
-// The turn at which columns * Turned(c) explains most of y, where that is more than chance: by
-// rule evidence. Of turns that do equally well the smallest; 0: none.
+// The turn at which columns * Turned(c) explains most of y, by more than `least`. Of turns that do
+// equally well the smallest; 0: none.
 double BestTurn(const Hypothesis& lines, const Eigen::VectorXd& c, const Eigen::MatrixXd& columns,
-                const Eigen::VectorXd& y) {
+                const Eigen::VectorXd& y, double least) {
   constexpr double kStepsPerPeriod = 16.0;
   const Eigen::MatrixXd gram = columns.transpose() * columns;
   const Eigen::VectorXd moment = columns.transpose() * y;
@@ -101,7 +101,7 @@ double BestTurn(const Hypothesis& lines, const Eigen::VectorXd& c, const Eigen::
   }
   const double step = types::kTwoPi / (kStepsPerPeriod * highest);
   const double here = gain(0.0);
-  double best = 0.0, most = here + Limit(rules::kEvidence);
+  double best = 0.0, most = here + least;
   for (int k = 1; k * step <= std::numbers::pi; ++k) {
     for (const double turn_rad : {k * step, -k * step}) {
       const double found = gain(turn_rad);
@@ -163,7 +163,8 @@ std::vector<ZeroTurn> FindZeroTurns(const Problem& problem, const EffectSet& set
     const Eigen::MatrixXd own = of_run.asDiagonal() * columns;
     const Eigen::VectorXd own_rest = of_run.cwiseProduct(rest);
     const double turn_rad =
-        BestTurn(member, c, Whiten(likelihood, own), Whiten(likelihood, own_rest).col(0));
+        BestTurn(member, c, Whiten(likelihood, own), Whiten(likelihood, own_rest).col(0),
+                 problem.in_force().Limit(rules::kEvidence));
     if (turn_rad == 0.0) continue;
     held_out->SetMotorTurn(static_cast<int>(run), turn_rad);
     out.push_back({member.name, held_out->states().run_names[run], turn_rad});

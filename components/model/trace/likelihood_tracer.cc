@@ -166,7 +166,7 @@ class Correction {
       FoundEffect effect = std::move(found[*leaves]);
       effect.term = -1;
       const bool refuted = effect.confirmation.verdict == ConfirmationVerdict::kRefuted;
-      if (effect.score >= Limit(rules::kOpen)) {
+      if (effect.score >= options_.in_force.Limit(rules::kOpen)) {
         (refuted ? result->refuted : result->open).push_back(std::move(effect));
       }
       Leave(*leaves);
@@ -190,7 +190,8 @@ class Correction {
 
   // Could the motion have been driven, had the fitted model been true? held_out_error: its own.
   bool Drivable(double held_out_error) const {
-    return BeyondDrive() <= Limit(rules::kBeyondDrive) && std::isfinite(held_out_error);
+    return BeyondDrive() <= options_.in_force.Limit(rules::kBeyondDrive) &&
+           std::isfinite(held_out_error);
   }
   double BeyondDrive() const { return std::max(train_.beyond_drive(), held_out_.beyond_drive()); }
 
@@ -300,7 +301,7 @@ class Correction {
       said = {ConfirmationVerdict::kNotConfirmed, *facts.slope, *facts.slope - half,
               *facts.slope + half, std::max(1, said.blocks)};
     }
-    const bool named = found->score >= Limit(rules::kScore);
+    const bool named = found->score >= options_.in_force.Limit(rules::kScore);
     std::optional<Refusal> refusal = Worsens(*found);
     if (!refusal && named) refusal = RaisesWhole(without);
     if (refusal) {
@@ -310,7 +311,7 @@ class Correction {
       said.verdict = ConfirmationVerdict::kConfirmed;
     } else {
       said.verdict = ConfirmationVerdict::kNotConfirmed;
-      found->refusal = RefusedBy(rules::kScore, found->score);
+      found->refusal = options_.in_force.RefusedBy(rules::kScore, found->score);
     }
   }
 
@@ -335,9 +336,11 @@ class Correction {
 
   // What the drive cannot give, and what raises the held-out error.
   std::optional<Refusal> Worsens(const FoundEffect& found) const {
-    if (!Drivable(found.held_out_after)) return RefusedBy(rules::kBeyondDrive, BeyondDrive());
+    if (!Drivable(found.held_out_after))
+      return options_.in_force.RefusedBy(rules::kBeyondDrive, BeyondDrive());
     const double rise = Rise(found);
-    if (rise > Limit(rules::kRaises)) return RefusedBy(rules::kRaises, rise);
+    if (rise > options_.in_force.Limit(rules::kRaises))
+      return options_.in_force.RefusedBy(rules::kRaises, rise);
     return std::nullopt;
   }
 
@@ -346,7 +349,8 @@ class Correction {
     if (!options_.held_out_error) return std::nullopt;
     const double whole =
         options_.held_out_error(corrected_.model) / options_.held_out_error(without);
-    if (whole > Limit(rules::kRaises)) return RefusedBy(rules::kRaises, whole);
+    if (whole > options_.in_force.Limit(rules::kRaises))
+      return options_.in_force.RefusedBy(rules::kRaises, whole);
     return std::nullopt;
   }
 
@@ -387,14 +391,15 @@ TraceResult TraceByLikelihood(Design& train, Design& held_out, const actuator::J
     if (options.progress) options.progress(what, share);
   };
   progress("refit of the declared terms, noise", 0.05);
-  const LikelihoodFit base = EstimateLikelihood(&train, model);
+  const LikelihoodFit base = EstimateLikelihood(&train, model, options.in_force);
   held_out.UsePredictedRate(base.likelihood.predicted_rate);
   held_out.PredictDrive(base.fit.model);
   progress("columns", 0.4);
-  Problem problem = MakeProblem(train, base.likelihood, model, base.fit);
+  Problem problem = MakeProblem(train, base.likelihood, model, base.fit, options.in_force);
   std::optional<Likelihood> other;
   if (other_band != nullptr) other = CompareBands(other_band, model, &problem);
   TraceResult result;
+  result.in_force = options.in_force;
   result.nominal = model;
   const LikelihoodFit reported = Reported(train, base, model);
   result.declared = reported.fit.model;
@@ -445,7 +450,7 @@ TraceResult TraceByLikelihood(Design& train, Design& held_out, const actuator::J
   held_out.PredictDrive(result.corrected);
   result.after_train = identify::ErrorOf(train, result.corrected, model);
   result.after_held_out = identify::ErrorOf(held_out, result.corrected, model);
-  const CandidateSet all = MakeCandidates(train, result.corrected);
+  const CandidateSet all = MakeCandidates(train, result.corrected, options.in_force);
   result.shifts = FindShifts(train, model, result.corrected_fit, all.candidates);
   for (auto* list : {&result.effects, &result.open, &result.refuted}) SortByGain(list);
   result.verdict = VerdictOf(result);

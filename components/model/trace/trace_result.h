@@ -22,6 +22,7 @@
 namespace sinew::trace {
 
 struct TraceOptions {
+  InForce in_force{};
   std::uint64_t seed = 1;
   int sign_flip_rounds = 200;  // random signs of the null test, for each of `searches`
   // Balances and joints that are searched together: any of them may give a false alarm
@@ -31,16 +32,16 @@ struct TraceOptions {
   // Effects that the held-out recordings neither confirm nor refute stay in the corrected model.
   bool keep_unconfirmed = false;
   // These effects and no others are fitted, whatever the rules of the search say (rotation.h).
-  std::optional<std::set<std::string>> agreed;
+  std::optional<std::set<std::string>> agreed{};
   // What the held-out recordings refute stays, too: for sets that are given, not found.
   bool keep_refuted = false;
   // Held-out error of the machine that the joint is part of, with this model of the joint and
   // everything else refitted (an arm's other joints and its bodies); none: the joint is all.
-  std::function<double(const actuator::JointModel&)> held_out_error;
+  std::function<double(const actuator::JointModel&)> held_out_error{};
   // Filters and guards that are declared; none: the recordings decide.
-  std::optional<identify::ProcessingOptions> processing;
+  std::optional<identify::ProcessingOptions> processing{};
   // Called with a line of progress and the share done, 0 to 1.
-  std::function<void(const std::string&, double)> progress;
+  std::function<void(const std::string&, double)> progress{};
 };
 
 // One candidate, alone beside the declared terms.
@@ -187,6 +188,7 @@ struct BalanceSummary : Assessment {
 };
 
 struct TraceResult : Assessment {
+  InForce in_force;  // what decided
   // Errors are of the simulated angle, rad or m, in place of torques (components/model/shooting).
   bool by_simulation = false;
   std::optional<TooLittle> too_little;  // why nothing was fitted; empty: it was

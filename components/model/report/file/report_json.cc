@@ -171,8 +171,8 @@ Json Detectable(const trace::TraceResult& trace) {
                      {"shape", std::move(shape)}});
   }
   return {{"power", 0.8},
-          {"p_global", trace::Limit(trace::rules::kGlobalP)},
-          {"explained_share", trace::Limit(trace::rules::kExplainedShare)},
+          {"p_global", trace.in_force.Limit(trace::rules::kGlobalP)},
+          {"explained_share", trace.in_force.Limit(trace::rules::kExplainedShare)},
           {"sizes", std::move(sizes)}};
 }
 
@@ -456,7 +456,9 @@ Json ReportJson(const Report& report) {
   if (report.assessed()) out["p_global"] = trace.p_global ? Json(*trace.p_global) : Json(nullptr);
   out["faults"] = Faults(report.gate.faults);
   if (report.given && report.assessed()) out["given_effects"] = *report.given;
-  if (report.assessed() && !trace::TakenOut().empty()) out["without_rules"] = trace::TakenOut();
+  if (report.assessed() && !trace.in_force.without_rules.empty()) {
+    out["without_rules"] = trace.in_force.without_rules;
+  }
   AddTrace(report, &out);
   if (report.assessed()) {
     out["base_parameters"] = {{"nominal", ModelParameters(trace.nominal)},

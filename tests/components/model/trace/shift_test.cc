@@ -19,7 +19,7 @@ std::vector<ParameterShift> Shifts(const actuator::JointModel& truth,
   const auto blocks = identify::MakeBlocks(design.rows(), 1.0, 0.1, 10);
   const auto fit = identify::FitModel(design, model, blocks);
   design.PredictDrive(fit.model);
-  return FindShifts(design, model, fit, MakeCandidates(design, fit.model).candidates);
+  return FindShifts(design, model, fit, MakeCandidates(design, fit.model, {}).candidates);
 }
 
 TEST(Shift, AParameterInsideItsToleranceIsNoShift) {
