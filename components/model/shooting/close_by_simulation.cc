@@ -62,9 +62,9 @@ class Closer {
     out_.rows = out_.used_rows = train_.rows();
     std::set<std::string> refused;
     // One look more than effects, for what is unexplained beside all of them.
-    for (int look = 0; look <= options_.max_rounds; ++look) {
+    for (int look = 0; look <= static_cast<int>(trace::kLargestSet); ++look) {
       Progress("simulated columns", 0.2 + 0.2 * look);
-      if (!Look(look == 0, look < options_.max_rounds, &refused)) break;
+      if (!Look(look == 0, look < static_cast<int>(trace::kLargestSet), &refused)) break;
     }
     Finish();
     return std::move(out_);
@@ -106,9 +106,7 @@ class Closer {
     SetHalfWidths(regression, noise, &fit_.model);
     problem_ = &problem;
     if (first) NoteFirst(regression);
-    const trace::BootstrapOptions bootstrap{.rounds = options_.sign_flip_rounds * options_.searches,
-                                            .searches = options_.searches,
-                                            .seed = options_.seed};
+    const trace::BootstrapOptions bootstrap = trace::BootstrapOf(options_);
     const std::set<std::string> unasked = trace::Unasked(problem, options_.agreed);
     for (int search = 0; search < kMostSearches; ++search) {
       std::set<std::string> excluded = *refused;
@@ -133,16 +131,12 @@ class Closer {
     out_.blocks = static_cast<int>(regression.blocks.size());
     out_.block_length_s = regression.block_s;
     out_.ceiling_rms = identify::Rms(trace::Richest(*problem_));
-    out_.rounds.push_back({.train_rms = out_.before_train.rms,
-                           .held_out_rms = out_.before_held_out.rms,
-                           .explainable_rms = out_.ceiling_rms,
-                           .scores = {}});
   }
 
   void NoteSearch(const trace::Problem& problem, const trace::SetAssessment& assessed) {
     out_.p_global = assessed.p_global;
     least_statistic_ = assessed.least_statistic;
-    out_.rounds.front().scores = assessed.scores;
+    out_.scores = assessed.scores;
     out_.detectable = trace::FindDetectable(problem, joint_, least_statistic_, assessed.chosen);
     searched_ = problem;
   }
@@ -244,14 +238,14 @@ class Closer {
     found.held_out_after = ErrorOf(held_out_, with.model).rms;
     trace::Facts facts;
     facts.curve = trace::CurveBeside(*problem_, set);
-    found.confirmation.blocks = AssessSlope(with.model, &facts);
+    AssessSlope(with.model, &facts);
     Score(facts, second, &found);
     return found;
   }
 
   // Slope of the held-out rest on what the effect changes there, start states and zeros fitted
-  // beside it; number of blocks.
-  int AssessSlope(const actuator::JointModel& with, trace::Facts* facts) const {
+  // beside it.
+  void AssessSlope(const actuator::JointModel& with, trace::Facts* facts) const {
     const Fit start = FitStart(held_out_, with);
     const Regression there = MakeRegression(held_out_, start, {}, nullptr);
     const Eigen::VectorXd own =
@@ -268,18 +262,14 @@ class Closer {
       if (facts->error > 0.0 && std::isfinite(facts->error)) facts->slope = 1.0 + more[0];
       rest = there.target - own * more - there.declared * evidence.Declared({0}, more);
     }
-    return static_cast<int>(there.blocks.size());
+    facts->blocks = static_cast<int>(there.blocks.size());
   }
 
   void Score(const trace::Facts& facts, bool second, FoundEffect* found) const {
     found->score = facts.Score();
     found->curve = facts.curve;
     trace::Confirmation& said = found->confirmation;
-    if (facts.slope) {
-      said.slope = *facts.slope;
-      said.lower = said.slope - kInterval * facts.error;
-      said.upper = said.slope + kInterval * facts.error;
-    }
+    said = facts.AsConfirmation();
     const std::optional<trace::Refusal> refusal = Refuted(*found, second);
     if (refusal) {
       said.verdict = ConfirmationVerdict::kRefuted;
@@ -314,7 +304,7 @@ class Closer {
         found.fitted[k] = actuator::PhysicalTerm(out_.corrected, found.term + static_cast<int>(k));
       }
     }
-    trace::NoteOutcome(out_, &out_.rounds.front().scores);
+    trace::NoteOutcome(out_, &out_.scores);
     trace::Sensitivity sensitivity =
         trace::FindSensitivity(*searched_, out_.detectable, trace::Shown(out_));
     out_.not_excited = std::move(sensitivity.not_excited);

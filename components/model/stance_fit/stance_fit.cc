@@ -79,16 +79,15 @@ class Closer {
                        std::to_string(static_cast<int>(options_.in_force.Limit(rules::kBlocks))));
     }
     const int order = LongestOrder(layout_);
-    const ChannelNoise noise = EstimateNoise(regression_, options_.largest_set, order);
+    const ChannelNoise noise = EstimateNoise(regression_, order);
     const trace::Problem problem = MakeProblem(regression_, noise);
-    const trace::BootstrapOptions bootstrap{.rounds = options_.sign_flip_rounds,
-                                            .seed = options_.seed};
+    const trace::BootstrapOptions bootstrap{.seed = options_.seed};
     std::set<std::string> refuted;
     constexpr int kSearches = 3;  // the first, and two without what was dropped or refuted
     for (int search = 0; search < kSearches; ++search) {
       const trace::SetAssessment found =
           trace::AssessSets(problem, regression_.blocks, effects::Balance::kMotion,
-                            options_.largest_set, bootstrap, refuted);
+                            trace::kLargestSet, bootstrap, refuted);
       if (!out_.p_global) out_.p_global = found.p_global;
       if (search == 0) NoteDetectable(problem, found.least_statistic);
       Describe(problem, found);

@@ -16,6 +16,8 @@ namespace {
 // nothing is named.
 constexpr double kUnassessed = 0.75;
 
+constexpr double k95 = 1.96;  // standard deviations either way
+
 // A held-out balance beside what training found, at its used rows.
 class HeldOutBalance {
  public:
@@ -122,10 +124,21 @@ double Facts::Score() const {
 }
 
 void Facts::SetSlope(const Confirmation& confirmation) {
+  blocks = confirmation.blocks;
   slope.reset();
   if (!(confirmation.upper > confirmation.lower)) return;
   slope = confirmation.slope;
-  error = (confirmation.upper - confirmation.lower) / (2.0 * 1.96);
+  error = (confirmation.upper - confirmation.lower) / (2.0 * k95);
+}
+
+Confirmation Facts::AsConfirmation() const {
+  Confirmation out;
+  out.blocks = blocks;
+  if (!slope) return out;
+  out.slope = *slope;
+  out.lower = *slope - k95 * error;
+  out.upper = *slope + k95 * error;
+  return out;
 }
 
 double CurveBeside(const Problem& problem, const EffectSet& set) {
@@ -181,6 +194,7 @@ Facts FactsOf(const Problem& problem, const EffectSet& set, std::size_t k,
   if (member.effect->info().event) return out;
 
   const HeldOutBalance balance(problem, held_out, declared_fit, train);
+  out.blocks = static_cast<int>(balance.used().blocks.size());
   if (!balance.usable()) return out;
   // What the member changes, the declared terms refitted in training with and without it.
   const Eigen::VectorXd rest = balance.Left(set);

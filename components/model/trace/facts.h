@@ -21,12 +21,14 @@ struct Facts {
   // Held out; none: no row shows it, or it began at an instant, which FactsOf does not know there.
   std::optional<double> slope;
   double error = 0.0;  // of the slope, one standard deviation
+  int blocks = 0;      // of the held-out recordings
 
   // Fewer standard errors than these a slope of one says nothing.
   bool Assessed() const { return slope && error < 1.0 / kLeastExpected; }
   double Score() const;
-  // The slope and its error of a confirmation.
+  // Slope, error and blocks of a confirmation, and as one, without a verdict.
   void SetSlope(const Confirmation& confirmation);
+  Confirmation AsConfirmation() const;
 
   static constexpr double kLeastExpected = 2.5;
 };

@@ -70,7 +70,7 @@ class Correction {
       if (round == 0) {
         result->p_global = assessed_.p_global;
         least_statistic_ = assessed_.least_statistic;
-        result->rounds.front().scores = assessed_.scores;
+        result->scores = assessed_.scores;
       }
       result->unexplained = assessed_.unexplained;
       if (assessed_.chosen.empty()) return;
@@ -279,12 +279,11 @@ class Correction {
     found.train_after = identify::ErrorOf(train_, corrected_.model, declared_).rms;
     found.held_out_before = identify::ErrorOf(held_out_, without.model, declared_).rms;
     found.held_out_after = HeldOutError();
-    found.confirmation =
-        trace::Confirm(held_out_, LikelihoodOf(held_out_, corrected_, 0), without, corrected_);
     Facts facts = facts_[k];
     if (problem_.hypotheses()[set_.members[k]].effect->info().event) {
       // It began elsewhere there (LocateEvent).
-      facts.SetSlope(found.confirmation);
+      facts.SetSlope(
+          trace::Confirm(held_out_, LikelihoodOf(held_out_, corrected_, 0), without, corrected_));
     }
     Score(facts, without.model, &found);
     return found;
@@ -296,11 +295,7 @@ class Correction {
     found->score = facts.Score();
     found->curve = facts.curve;
     Confirmation& said = found->confirmation;
-    if (facts.slope) {
-      const double half = 1.96 * facts.error;
-      said = {ConfirmationVerdict::kNotConfirmed, *facts.slope, *facts.slope - half,
-              *facts.slope + half, std::max(1, said.blocks)};
-    }
+    said = facts.AsConfirmation();
     const bool named = found->score >= options_.in_force.Limit(rules::kScore);
     std::optional<Refusal> refusal = Worsens(*found);
     if (!refusal && named) refusal = RaisesWhole(without);
@@ -413,31 +408,22 @@ TraceResult TraceByLikelihood(Design& train, Design& held_out, const actuator::J
   }
   NoteErrors(reported, base.fit.model, &train, &held_out, &result);
 
-  RoundReport round;
-  round.train_rms = reported.fit.rms;
-  round.held_out_rms = result.before_held_out.rms;
-  round.explainable_rms = base.richest_rms;
-  result.rounds.push_back(std::move(round));
-
   progress("sets of effects and their confirmation", 0.5);
   Correction correction(train, held_out, base, reported, problem, model, options);
-  const BootstrapOptions bootstrap{.rounds = options.sign_flip_rounds * options.searches,
-                                   .searches = options.searches,
-                                   .seed = options.seed};
+  const BootstrapOptions bootstrap = BootstrapOf(options);
   const std::set<std::string> unasked = Unasked(problem, options.agreed);
   correction.Run(
       [&](std::set<std::string> refuted) {
         refuted.insert(unasked.begin(), unasked.end());
-        SetAssessment assessed =
-            AssessSets(problem, base.likelihood.used.blocks, model.balance,
-                       static_cast<std::size_t>(options.max_rounds), bootstrap, refuted);
+        SetAssessment assessed = AssessSets(problem, base.likelihood.used.blocks, model.balance,
+                                            kLargestSet, bootstrap, refuted);
         if (options.agreed) ChooseAgreed(problem, *options.agreed, refuted, &assessed);
         return assessed;
       },
       &result);
   if (other) correction.WidenIntervals(other_band, *other);
   if (!correction.set().empty()) result.zero_turns = correction.zero_turns();
-  NoteOutcome(result, &result.rounds.front().scores);
+  NoteOutcome(result, &result.scores);
   result.detectable =
       FindDetectable(problem, model, correction.least_statistic(), correction.set());
   Sensitivity sensitivity = FindSensitivity(problem, result.detectable, Shown(result));

@@ -24,11 +24,9 @@ namespace sinew::trace {
 struct TraceOptions {
   InForce in_force{};
   std::uint64_t seed = 1;
-  int sign_flip_rounds = 200;  // random signs of the null test, for each of `searches`
   // Balances and joints that are searched together: any of them may give a false alarm
   // (Bonferroni).
   int searches = 1;
-  int max_rounds = 3;  // effects of a set
   // Effects that the held-out recordings neither confirm nor refute stay in the corrected model.
   bool keep_unconfirmed = false;
   // These effects and no others are fitted, whatever the rules of the search say (rotation.h).
@@ -53,13 +51,6 @@ struct CandidateScore {
   double gain_share = 0.0;    // misfit that it takes away less its charge, share of the whole
   bool accepted = false;
   Refusal refused;
-};
-
-struct RoundReport {
-  double train_rms = 0.0;  // before the round
-  double held_out_rms = 0.0;
-  double explainable_rms = 0.0;        // what the richest model leaves
-  std::vector<CandidateScore> scores;  // best gain first
 };
 
 struct FoundEffect {
@@ -165,12 +156,12 @@ struct Assessment {
   identify::ModelError after_train, after_held_out;
   double noise_floor_rms = 0.0;  // of the sensors, measured; 0: unknown
   std::string noise_floor_source;
-  double ceiling_rms = 0.0;
+  double ceiling_rms = 0.0;              // what the richest model leaves
   Eigen::Index rows = 0, used_rows = 0;  // of the training recordings, and of these in the fit
   RowUsage row_usage;
   int blocks = 0;  // independent blocks of rows: cross-validation groups, whose signs are flipped
   double block_length_s = 0.0;
-  std::vector<RoundReport> rounds;
+  std::vector<CandidateScore> scores;  // of every candidate, best gain first
   Unexplained unexplained;
 };
 

@@ -100,24 +100,21 @@ Json HeldOut(const trace::Assessment& result, const std::string& unit) {
 }
 
 Json Rounds(const trace::Assessment& result) {
-  Json out = Json::array();
-  for (const trace::RoundReport& round : result.rounds) {
-    Json candidates = Json::array();
-    for (const trace::CandidateScore& score : round.scores) {
-      candidates.push_back({{"name", score.name},
-                            {"gain", score.gain_share},
-                            {"statistic", score.statistic},
-                            {"accepted", score.accepted},
-                            {"refused", score.refused.rule},
-                            {"value", score.refused.value},
-                            {"limit", score.refused.limit}});
-    }
-    out.push_back({{"train_rms", round.train_rms},
-                   {"held_out_rms", round.held_out_rms},
-                   {"explainable_rms", round.explainable_rms},
-                   {"candidates", std::move(candidates)}});
+  if (result.scores.empty()) return Json::array();
+  Json candidates = Json::array();
+  for (const trace::CandidateScore& score : result.scores) {
+    candidates.push_back({{"name", score.name},
+                          {"gain", score.gain_share},
+                          {"statistic", score.statistic},
+                          {"accepted", score.accepted},
+                          {"refused", score.refused.rule},
+                          {"value", score.refused.value},
+                          {"limit", score.refused.limit}});
   }
-  return out;
+  return Json::array({{{"train_rms", result.before_train.rms},
+                       {"held_out_rms", result.before_held_out.rms},
+                       {"explainable_rms", result.ceiling_rms},
+                       {"candidates", std::move(candidates)}}});
 }
 
 Json Blocks(const trace::Assessment& result) {

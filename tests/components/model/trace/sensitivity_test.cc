@@ -102,7 +102,7 @@ TraceResult TraceDrag(double drag, std::uint64_t seed) {
 }
 
 bool FindsDrag(const TraceResult& result) {
-  for (const CandidateScore& score : result.rounds.front().scores) {
+  for (const CandidateScore& score : result.scores) {
     if (score.name == "quadratic_viscous") {
       return score.accepted || (score.refused.rule != rules::kGlobalP.id &&
                                 score.refused.rule != rules::kEvidence.id &&
@@ -144,7 +144,7 @@ TEST(Detectable, WhatIsFoundDoesNotHideAndWhatOnlyResemblesItMay) {
   }
   // Twenty standard deviations, all of them the drag's: beside it each is in one of the lists.
   int resembling = 0;
-  for (const CandidateScore& score : result.rounds.front().scores) {
+  for (const CandidateScore& score : result.scores) {
     if (score.statistic < 20.0 || score.accepted) continue;
     ++resembling;
     EXPECT_EQ(hidden.count(score.name) + assessed.count(score.name), 1u) << score.name;
