@@ -82,21 +82,13 @@ void AddSearchOptions(close_loop::Options* options, CLI::App* command) {
       ->allow_extra_args(false)
       ->check(CLI::IsMember(effects));
   command
-      ->add_option_function<std::vector<std::string>>(
-          "--without-rule",
-          [](const std::vector<std::string>& ids) {
-            for (const std::string& id : ids) trace::TakeOut(id);
-          },
-          "Disable a rule (docs/closing-the-loop.md), to measure its effect; repeatable")
+      ->add_option("--without-rule", options->in_force.without_rules,
+                   "Disable a rule (docs/closing-the-loop.md), to measure its effect; repeatable")
       ->allow_extra_args(false)
       ->check(CLI::IsMember(IdsOf(trace::AllRules())));
   command
-      ->add_option_function<std::vector<std::string>>(
-          "--without-effect",
-          [](const std::vector<std::string>& names) {
-            for (const std::string& name : names) trace::TakeOutEffect(name);
-          },
-          "Search as though the catalogue did not have this effect; repeatable")
+      ->add_option("--without-effect", options->in_force.without_effects,
+                   "Search as though the catalogue did not have this effect; repeatable")
       ->allow_extra_args(false)
       ->check(CLI::IsMember(effects::EffectNames()));
 }

@@ -32,6 +32,7 @@ struct Options {
   bool by_simulation = false;  // fits and search (shooting::CloseBySimulation) of one joint alone
   bool keep_unconfirmed = false;  // in the model, effects that are neither confirmed nor refuted
   std::optional<std::set<std::string>> given;  // these effects, nothing is searched for
+  trace::InForce in_force;                     // what decides: all, unless something is taken out
   std::vector<std::string> accepted_faults;    // rules of the data gate that do not stop
   free_run::MakeBody body;               // moves a joint in the simulation beside the recordings
   std::function<void(double)> progress;  // share that is done

@@ -75,6 +75,7 @@ actuator::JointModel Corrected(const report::Report& report, const actuator::Joi
 
 trace::TraceOptions TraceOptionsOf(const Options& options, const JointTask& task) {
   trace::TraceOptions out;
+  out.in_force = options.in_force;
   out.seed = options.seed;
   out.agreed = options.given;
   out.keep_refuted = options.given.has_value();

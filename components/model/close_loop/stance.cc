@@ -103,6 +103,7 @@ stance_fit::StanceFitResult Fit(const Options& options, const Input& input,
   config.force_links = base.force_links;
   config.imu_link = base.imu_link;
   stance_fit::StanceOptions stance_options;
+  stance_options.in_force = options.in_force;
   stance_options.seed = options.seed;
   stance_options.tolerances = {base.mass_tolerance, base.com_tolerance_m, base.tilt_tolerance_rad};
   const stance_fit::StanceModel model(BodiesOf(options, input), input.model.robot, config);

@@ -80,7 +80,8 @@ void Balance::Apply(const Eigen::Ref<const Eigen::VectorXd>& coefficients,
   }
 }
 
-Balance MakeBalance(const Design& design, const actuator::JointModel& model, bool keep_scale) {
+Balance MakeBalance(const Design& design, const actuator::JointModel& model,
+                    std::optional<bool> fits_scale) {
   Balance out;
   const Eigen::Index rows = design.rows().size();
   Eigen::VectorXd known = Eigen::VectorXd::Zero(rows);
@@ -122,7 +123,7 @@ Balance MakeBalance(const Design& design, const actuator::JointModel& model, boo
     drive_power += out.drive_torque[i] * out.drive_torque[i] * out.drive_factor * out.drive_factor;
   }
   out.fits_scale =
-      !drive_fixed && !keep_scale && drive_power > 0.0 && known_power > 1e-4 * drive_power;
+      fits_scale.value_or(!drive_fixed && drive_power > 0.0 && known_power > 1e-4 * drive_power);
 
   const Eigen::Index first = out.fits_scale ? 1 : 0;
   const auto count = static_cast<Eigen::Index>(columns.size()) + first;

@@ -48,8 +48,9 @@ struct Balance {
              actuator::JointModel* model) const;
 };
 
-// keep_scale: the drive factor stays at its nominal value.
+// fits_scale: is the drive factor fitted, as it was for coefficients of other recordings, which may
+// have had another known torque? Empty: as the design's own known torques allow.
 Balance MakeBalance(const Design& design, const actuator::JointModel& model,
-                    bool keep_scale = false);
+                    std::optional<bool> fits_scale = std::nullopt);
 
 }  // namespace sinew::identify

@@ -1,5 +1,5 @@
-// Fits the free parameters of a joint model to recordings, with their uncertainties.
-// Pure; allocates; throws TooLittleData when there are fewer rows than parameters.
+// What a fit of a joint model is (trace/whitened_fit.h makes it), and how far a model is from
+// recordings. Pure; allocates.
 #pragma once
 
 #include <Eigen/Core>
@@ -21,7 +21,6 @@ struct FitResult {
   Eigen::VectorXd residual;      // torque at the output, every row
   double rms = 0.0;              // of the residual over used rows
   double percent = 0.0;          // 100 |residual| / |drive torque| over used rows
-  bool keep_scale = false;       // the drive factor could not be identified and was kept
 };
 
 // Error of a model as it is on any design.
@@ -35,10 +34,5 @@ ModelError ErrorOf(const Design& design, const actuator::JointModel& model);
 // by the drive signal that they predict; a larger factor makes the same error a larger torque.
 ModelError ErrorOf(const Design& design, const actuator::JointModel& model,
                    const actuator::JointModel& reference);
-
-// Linear parameters by least squares over used rows; half widths from block scores with the t
-// quantile of blocks - 1. Nonlinear parameters stay.
-FitResult FitModel(const Design& design, const actuator::JointModel& model,
-                   const std::vector<Block>& blocks);
 
 }  // namespace sinew::identify

@@ -168,11 +168,11 @@ Section DetectableSection(const trace::TraceResult& trace) {
       {"effect", "parameter", "smallest detectable size", "share of the measured side"},
       "The smallest size of each effect that this search finds in 80 % of recordings like these, "
       "with the effect alone and at its most visible shape: p of the whole search at most " +
-          Short(trace::Limit(rules::kGlobalP)) + " (rule p_global) and at least " +
-          Percent(trace::Limit(rules::kExplainedShare)) +
+          Short(trace.in_force.Limit(rules::kGlobalP)) + " (rule p_global) and at least " +
+          Percent(trace.in_force.Limit(rules::kExplainedShare)) +
           " of the refitted model's misfit (rule explained_share; effects identified from "
           "accelerations or rates: " +
-          Percent(trace::Limit(rules::kCurveShare)) +
+          Percent(trace.in_force.Limit(rules::kCurveShare)) +
           ", rule curve_share). Smaller effects may be present. Not listed: effects absorbed by "
           "refitting the declared terms (see the shift of parameters), and spectral lines and "
           "events, which have no size before they are found.",

@@ -239,8 +239,7 @@ Picture SpectrumByAngle(const Report& report, const Design& design, const Eigen:
       {{"amplitude, " + TorqueUnit(report.trace.corrected.kind), std::move(models), "0:*"}});
 }
 
-Picture Candidates(const trace::RoundReport& round) {
-  std::vector<trace::CandidateScore> shown = round.scores;
+Picture Candidates(std::vector<trace::CandidateScore> shown) {
   if (shown.size() > 10) shown.resize(10);
   std::string data = "$c << EOD\n";
   const auto count = static_cast<int>(shown.size());
@@ -310,9 +309,7 @@ std::vector<Picture> PicturesOfSimulation(const Report& report) {
     out.push_back(
         PathPicture(report.free_run, report.trace.corrected.kind, kRefittedModel, kCorrectedModel));
   }
-  if (!report.trace.rounds.empty() && !report.trace.rounds.front().scores.empty()) {
-    out.push_back(Candidates(report.trace.rounds.front()));
-  }
+  if (!report.trace.scores.empty()) out.push_back(Candidates(report.trace.scores));
   out.push_back(ErrorsBeforeAndAfter(report));
   return out;
 }
@@ -370,9 +367,7 @@ std::vector<Picture> MakePictures(const Report& report, const Design& train,
     out.push_back(
         SpectrumByAngle(report, train, trace.before_train.residual, trace.after_train.residual));
   }
-  if (!trace.rounds.empty() && !trace.rounds.front().scores.empty()) {
-    out.push_back(Candidates(trace.rounds.front()));
-  }
+  if (!trace.scores.empty()) out.push_back(Candidates(trace.scores));
   out.push_back(ErrorsBeforeAndAfter(report));
   return out;
 }

@@ -238,7 +238,8 @@ std::string NothingSentence(const Report& report) {
   const std::string still =
       leaves + (trace.noise_floor_rms > 0.0 ? "; the noise of the sensors is " + noise + "." : ".");
   if (report.given) return std::string("T") + still.substr(1);
-  const bool something = trace.p_global && *trace.p_global <= trace::Limit(trace::rules::kGlobalP);
+  const bool something =
+      trace.p_global && *trace.p_global <= trace.in_force.Limit(trace::rules::kGlobalP);
   return (something ? "No effect explains enough of the residual to be named: "
                     : "No effect beyond the declared model is detectable: ") +
          still;

@@ -25,7 +25,6 @@ namespace {
 using trace::ConfirmationVerdict;
 using trace::EffectSet;
 using trace::FoundEffect;
-using trace::Limit;
 using trace::TraceResult;
 namespace rules = trace::rules;
 
@@ -51,6 +50,7 @@ class Closer {
   TraceResult Run() {
     Progress("fit of the declared terms by simulation", 0.05);
     out_.by_simulation = true;
+    out_.in_force = options_.in_force;
     out_.nominal = joint_;
     fit_ = FitBySimulation(train_, joint_, joint_);
     out_.nominal_train = ErrorOf(train_, joint_);
@@ -62,9 +62,9 @@ class Closer {
     out_.rows = out_.used_rows = train_.rows();
     std::set<std::string> refused;
     // One look more than effects, for what is unexplained beside all of them.
-    for (int look = 0; look <= options_.max_rounds; ++look) {
+    for (int look = 0; look <= static_cast<int>(trace::kLargestSet); ++look) {
       Progress("simulated columns", 0.2 + 0.2 * look);
-      if (!Look(look == 0, look < options_.max_rounds, &refused)) break;
+      if (!Look(look == 0, look < static_cast<int>(trace::kLargestSet), &refused)) break;
     }
     Finish();
     return std::move(out_);
@@ -99,16 +99,14 @@ class Closer {
 
   // The search about the present fit; true: an effect was added to it.
   bool Look(bool first, bool adds, std::set<std::string>* refused) {
-    const Regression regression =
-        MakeRegression(train_, fit_, FreeParameters(train_, fit_.model, joint_), true);
+    const Regression regression = MakeRegression(
+        train_, fit_, FreeParameters(train_, fit_.model, joint_), &options_.in_force);
     Noise noise;
     const trace::Problem problem = ProblemWithNoise(regression, train_, &noise);
     SetHalfWidths(regression, noise, &fit_.model);
     problem_ = &problem;
     if (first) NoteFirst(regression);
-    const trace::BootstrapOptions bootstrap{.rounds = options_.sign_flip_rounds * options_.searches,
-                                            .searches = options_.searches,
-                                            .seed = options_.seed};
+    const trace::BootstrapOptions bootstrap = trace::BootstrapOf(options_);
     const std::set<std::string> unasked = trace::Unasked(problem, options_.agreed);
     for (int search = 0; search < kMostSearches; ++search) {
       std::set<std::string> excluded = *refused;
@@ -133,16 +131,12 @@ class Closer {
     out_.blocks = static_cast<int>(regression.blocks.size());
     out_.block_length_s = regression.block_s;
     out_.ceiling_rms = identify::Rms(trace::Richest(*problem_));
-    out_.rounds.push_back({.train_rms = out_.before_train.rms,
-                           .held_out_rms = out_.before_held_out.rms,
-                           .explainable_rms = out_.ceiling_rms,
-                           .scores = {}});
   }
 
   void NoteSearch(const trace::Problem& problem, const trace::SetAssessment& assessed) {
     out_.p_global = assessed.p_global;
     least_statistic_ = assessed.least_statistic;
-    out_.rounds.front().scores = assessed.scores;
+    out_.scores = assessed.scores;
     out_.detectable = trace::FindDetectable(problem, joint_, least_statistic_, assessed.chosen);
     searched_ = problem;
   }
@@ -220,7 +214,7 @@ class Closer {
       return true;
     }
     found.term = -1;
-    if (refuted || found.score >= Limit(rules::kOpen)) {
+    if (refuted || found.score >= options_.in_force.Limit(rules::kOpen)) {
       (refuted ? out_.refuted : out_.open).push_back(std::move(found));
     }
     return false;
@@ -244,16 +238,16 @@ class Closer {
     found.held_out_after = ErrorOf(held_out_, with.model).rms;
     trace::Facts facts;
     facts.curve = trace::CurveBeside(*problem_, set);
-    found.confirmation.blocks = AssessSlope(with.model, &facts);
+    AssessSlope(with.model, &facts);
     Score(facts, second, &found);
     return found;
   }
 
   // Slope of the held-out rest on what the effect changes there, start states and zeros fitted
-  // beside it; number of blocks.
-  int AssessSlope(const actuator::JointModel& with, trace::Facts* facts) const {
+  // beside it.
+  void AssessSlope(const actuator::JointModel& with, trace::Facts* facts) const {
     const Fit start = FitStart(held_out_, with);
-    const Regression there = MakeRegression(held_out_, start, {}, false);
+    const Regression there = MakeRegression(held_out_, start, {}, nullptr);
     const Eigen::VectorXd own =
         held_out_.Stacked(with, start.start) - held_out_.Stacked(fit_.model, start.start);
     Eigen::VectorXd rest = there.target;
@@ -268,26 +262,22 @@ class Closer {
       if (facts->error > 0.0 && std::isfinite(facts->error)) facts->slope = 1.0 + more[0];
       rest = there.target - own * more - there.declared * evidence.Declared({0}, more);
     }
-    return static_cast<int>(there.blocks.size());
+    facts->blocks = static_cast<int>(there.blocks.size());
   }
 
   void Score(const trace::Facts& facts, bool second, FoundEffect* found) const {
     found->score = facts.Score();
     found->curve = facts.curve;
     trace::Confirmation& said = found->confirmation;
-    if (facts.slope) {
-      said.slope = *facts.slope;
-      said.lower = said.slope - kInterval * facts.error;
-      said.upper = said.slope + kInterval * facts.error;
-    }
+    said = facts.AsConfirmation();
     const std::optional<trace::Refusal> refusal = Refuted(*found, second);
     if (refusal) {
       said.verdict = ConfirmationVerdict::kRefuted;
       found->refusal = *refusal;
-    } else if (found->score >= Limit(rules::kScore)) {
+    } else if (found->score >= options_.in_force.Limit(rules::kScore)) {
       said.verdict = ConfirmationVerdict::kConfirmed;
     } else {
-      found->refusal = trace::RefusedBy(rules::kScore, found->score);
+      found->refusal = options_.in_force.RefusedBy(rules::kScore, found->score);
     }
   }
 
@@ -297,12 +287,14 @@ class Closer {
     double before = found.held_out_before;
     if (second) before = std::min(before, out_.nominal_held_out.rms);
     const double rise = found.held_out_after / before;
-    if (rise > Limit(rules::kRaises)) return trace::RefusedBy(rules::kRaises, rise);
+    if (rise > options_.in_force.Limit(rules::kRaises))
+      return options_.in_force.RefusedBy(rules::kRaises, rise);
     const auto squares = [](double from, double to) { return from * from - to * to; };
     const double taken = squares(out_.before_train.rms, found.train_before);
     const double share = squares(found.train_before, found.train_after) / taken;
-    if (out_.effects.empty() || share > Limit(rules::kShapeMisfit)) return std::nullopt;
-    return trace::RefusedBy(rules::kShapeMisfit, share);
+    if (out_.effects.empty() || share > options_.in_force.Limit(rules::kShapeMisfit))
+      return std::nullopt;
+    return options_.in_force.RefusedBy(rules::kShapeMisfit, share);
   }
 
   void Finish() {
@@ -312,7 +304,7 @@ class Closer {
         found.fitted[k] = actuator::PhysicalTerm(out_.corrected, found.term + static_cast<int>(k));
       }
     }
-    trace::NoteOutcome(out_, &out_.rounds.front().scores);
+    trace::NoteOutcome(out_, &out_.scores);
     trace::Sensitivity sensitivity =
         trace::FindSensitivity(*searched_, out_.detectable, trace::Shown(out_));
     out_.not_excited = std::move(sensitivity.not_excited);
@@ -387,20 +379,21 @@ trace::LoopResult CloseBySimulation(const std::vector<types::Run>& train,
     for (const auto& [recordings, rule] :
          {std::pair{&trained, &rules::kBlocks}, std::pair{&tested, &rules::kHeldOutBlocks}}) {
       const auto pieces = static_cast<double>(recordings->pieces().size());
-      if (pieces >= Limit(*rule)) continue;
+      if (pieces >= options.in_force.Limit(*rule)) continue;
       return TooLittle(std::move(loop), joint,
                        {.rule = rule->id,
                         .statistic = pieces,
-                        .limit = Limit(*rule),
+                        .limit = options.in_force.Limit(*rule),
                         .reason = "the recordings have too few pieces to simulate"});
     }
     loop.trace = Closer(trained, tested, joint, options).Run();
     loop.train.emplace(trained.design());
     loop.held_out.emplace(tested.design());
   } catch (const identify::TooLittleData& error) {
-    return TooLittle(
-        std::move(loop), joint,
-        {.rule = rules::kRows.id, .limit = Limit(rules::kRows), .reason = error.what()});
+    return TooLittle(std::move(loop), joint,
+                     {.rule = rules::kRows.id,
+                      .limit = options.in_force.Limit(rules::kRows),
+                      .reason = error.what()});
   }
   return loop;
 }

@@ -44,7 +44,7 @@ double PieceLength(const std::vector<StateSegment>& segments) {
   }
   const double variance = std::max(0.0, squares - sum * sum / rows);
   const double period = 2.0 * std::numbers::pi * std::sqrt(variance / std::max(speeds, 1e-300));
-  const double most = seconds / (2.0 * trace::Limit(trace::rules::kBlocks));
+  const double most = seconds / (2.0 * trace::rules::kBlocks.limit);
   return std::clamp(std::min(period, most), kShortest_s, kLongest_s);
 }
 

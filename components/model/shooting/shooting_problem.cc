@@ -89,9 +89,10 @@ class Builder {
     out_.torque_peak = std::max({machine_.drive_peak, machine_.gravity, machine_.friction});
   }
 
-  Regression Build(bool effects) {
+  Regression Build(const trace::InForce* search) {
     AddDeclared();
-    if (effects) {
+    if (search != nullptr) {
+      out_.bank.in_force = *search;
       AddEffects();
       AddCurves();
     }
@@ -215,7 +216,8 @@ class Builder {
   }
 
   void AddEffects() {
-    trace::CandidateSet set = trace::MakeCandidates(recordings_.design(), fit_.model);
+    trace::CandidateSet set =
+        trace::MakeCandidates(recordings_.design(), fit_.model, out_.bank.in_force);
     out_.bank.untestable = std::move(set.untestable);
     const double turns = Turns();
     for (const trace::Candidate& candidate : set.candidates) {
@@ -255,8 +257,9 @@ class Builder {
     for (const double psi : point.psi)
       term.nonlinear.push_back({.value = psi, .half_width_95 = {}});
     if (!AddTerm(term, point.columns, &h)) return false;
-    for (const effects::ParameterInfo& parameter : info.linear) {
-      const trace::Range range = trace::RangeOnAnyMachine(parameter);
+    while (h.lower.size() < info.linear.size()) {
+      const trace::Range range = trace::RangeOfAddition(recordings_.design(), fit_.model,
+                                                        *term.effect, point.psi, h.lower.size());
       h.lower.push_back(std::min(range.lower, 0.0));
       h.upper.push_back(std::max(range.upper, 0.0));
     }
@@ -325,8 +328,8 @@ class Builder {
 }  // namespace
 
 Regression MakeRegression(const Recordings& recordings, const Fit& fit,
-                          const std::vector<Parameter>& parameters, bool effects) {
-  return Builder(recordings, fit, parameters).Build(effects);
+                          const std::vector<Parameter>& parameters, const trace::InForce* search) {
+  return Builder(recordings, fit, parameters).Build(search);
 }
 
 Eigen::MatrixXd Whiten(const Regression& regression, const Noise& noise,

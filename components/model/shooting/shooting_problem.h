@@ -28,9 +28,10 @@ struct Regression {
   double measured_rms = 0.0, torque_peak = 0.0;  // of the motion about its mean; of the machine
 };
 
-// effects: with the columns of the catalogue that fit.model lacks, and the curves.
+// search: with the columns of the effects in force that fit.model lacks, and the curves; null:
+// without.
 Regression MakeRegression(const Recordings& recordings, const Fit& fit,
-                          const std::vector<Parameter>& parameters, bool effects);
+                          const std::vector<Parameter>& parameters, const trace::InForce* search);
 
 // Noise of the rows of angles, and how loud the gaps are, in prior deviations.
 struct Noise {

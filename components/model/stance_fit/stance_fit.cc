@@ -19,7 +19,6 @@ namespace {
 
 using trace::EffectSet;
 using trace::Hypothesis;
-using trace::Limit;
 namespace rules = trace::rules;
 
 std::string EffectName(const Hypothesis& h) { return h.effect->info().name; }
@@ -69,26 +68,26 @@ class Closer {
       held_out_rows_.push_back(model_.Rows(recording, layout_));
     }
     regression_ = MakeRegression(model_, layout_, rows_, options_.tolerances);
+    regression_.bank.in_force = options_.in_force;
     out_.rows = static_cast<std::size_t>(regression_.time_s.size());
     out_.blocks = regression_.blocks.size();
     out_.channels = layout_.channels();
     out_.low_pass_Hz = layout_.processing.front().state_cutoff_Hz;
-    if (static_cast<double>(out_.blocks) < Limit(rules::kBlocks)) {
+    if (static_cast<double>(out_.blocks) < options_.in_force.Limit(rules::kBlocks)) {
       return TooLittle("the recordings have " + std::to_string(out_.blocks) +
                        " blocks of rows in use, expected " +
-                       std::to_string(static_cast<int>(Limit(rules::kBlocks))));
+                       std::to_string(static_cast<int>(options_.in_force.Limit(rules::kBlocks))));
     }
     const int order = LongestOrder(layout_);
-    const ChannelNoise noise = EstimateNoise(regression_, options_.largest_set, order);
+    const ChannelNoise noise = EstimateNoise(regression_, order);
     const trace::Problem problem = MakeProblem(regression_, noise);
-    const trace::BootstrapOptions bootstrap{.rounds = options_.sign_flip_rounds,
-                                            .seed = options_.seed};
+    const trace::BootstrapOptions bootstrap{.seed = options_.seed};
     std::set<std::string> refuted;
     constexpr int kSearches = 3;  // the first, and two without what was dropped or refuted
     for (int search = 0; search < kSearches; ++search) {
       const trace::SetAssessment found =
           trace::AssessSets(problem, regression_.blocks, effects::Balance::kMotion,
-                            options_.largest_set, bootstrap, refuted);
+                            trace::kLargestSet, bootstrap, refuted);
       if (!out_.p_global) out_.p_global = found.p_global;
       if (search == 0) NoteDetectable(problem, found.least_statistic);
       Describe(problem, found);
@@ -187,7 +186,7 @@ class Closer {
           most = std::max(most, std::abs(value.value) / value.half_width_95.value_or(HUGE_VAL));
         }
       }
-      if (most > Limit(rules::kInterval)) continue;
+      if (most > options_.in_force.Limit(rules::kInterval)) continue;
       refuted->insert(Of(set, k).name);
       any = true;
     }
@@ -223,9 +222,10 @@ class Closer {
       facts.curve = curve;
       facts.SetSlope(effect.confirmation);
       const double score = facts.Score();
-      effect.confirmation.verdict =
-          score >= Limit(rules::kScore) ? trace::ConfirmationVerdict::kConfirmed
-          : score < Limit(rules::kOpen) ? trace::ConfirmationVerdict::kRefuted
+      effect.confirmation.verdict = score >= options_.in_force.Limit(rules::kScore)
+                                        ? trace::ConfirmationVerdict::kConfirmed
+                                    : score < options_.in_force.Limit(rules::kOpen)
+                                        ? trace::ConfirmationVerdict::kRefuted
                                         : trace::ConfirmationVerdict::kNotConfirmed;
       if (effect.confirmation.verdict != trace::ConfirmationVerdict::kRefuted) continue;
       refuted->insert(Of(set, k).name);
@@ -305,9 +305,12 @@ class Closer {
       if (!h.physical()) continue;
       const Eigen::Index j = h.columns.front();
       const double reduced = problem.evidence.reduced()(j, j);
-      if (!(problem.evidence.FreeShare(j) >= Limit(rules::kAbsorbed)) || !(reduced > 0.0)) continue;
-      const double needed = trace::NeededGain(
-          h, problem.evidence.misfit(), problem.evidence.Occam(h.columns), statistic, HUGE_VAL);
+      if (!(problem.evidence.FreeShare(j) >= options_.in_force.Limit(rules::kAbsorbed)) ||
+          !(reduced > 0.0))
+        continue;
+      const double needed =
+          trace::NeededGain(h, problem.evidence.misfit(), problem.evidence.Occam(h.columns),
+                            statistic, HUGE_VAL, options_.in_force);
       const double size = kInexact *
                           trace::SizeForPower(needed, static_cast<int>(h.columns.size()), 0.0) /
                           std::sqrt(reduced);

@@ -53,10 +53,9 @@ struct Tolerances {
 };
 
 struct StanceOptions {
+  trace::InForce in_force{};
   Tolerances tolerances;
   std::uint64_t seed = 1;
-  int sign_flip_rounds = 999;
-  std::size_t largest_set = 3;
 };
 
 struct PlacedPayload {

@@ -420,15 +420,14 @@ trace::Problem MakeProblem(const Regression& regression, const ChannelNoise& noi
   return out;
 }
 
-ChannelNoise EstimateNoise(const Regression& regression, std::size_t largest_set,
-                           int longest_order) {
+ChannelNoise EstimateNoise(const Regression& regression, int longest_order) {
   // White at first, of the size of what is left; coloured once the leading effects are out of it.
   constexpr int kPasses = 3;
   ChannelNoise noise = NoiseOf(regression, regression.bank.target, 0);
   for (int pass = 1; pass <= kPasses; ++pass) {
     const trace::Problem problem = MakeProblem(regression, noise);
     const trace::EffectSet set =
-        trace::SearchSets(problem.evidence, problem.hypotheses(), largest_set).best.back();
+        trace::SearchSets(problem.evidence, problem.hypotheses(), trace::kLargestSet).best.back();
     const Eigen::VectorXd rest =
         regression.bank.target - problem.Part(set) -
         regression.bank.declared * problem.evidence.Declared(set.columns, set.c);

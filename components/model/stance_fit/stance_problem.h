@@ -64,7 +64,6 @@ trace::Problem MakeProblem(const Regression& regression, const ChannelNoise& noi
 // Noise of what the declared columns and the best set of effects leave. Not of the richest model:
 // its hundred slow columns would take most of the slow part of a minute's noise with them, and
 // whitening would then magnify what is left of it.
-ChannelNoise EstimateNoise(const Regression& regression, std::size_t largest_set,
-                           int longest_order);
+ChannelNoise EstimateNoise(const Regression& regression, int longest_order);
 
 }  // namespace sinew::stance_fit

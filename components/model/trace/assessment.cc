@@ -27,7 +27,7 @@ class Assessor {
     const SetSearch found =
         SearchSets(problem_.evidence, problem_.hypotheses(), largest_set, refuted_);
     out_.p_global = std::min(1.0, bootstrap_.searches * GlobalP(found));
-    const bool open = out_.p_global <= Limit(rules::kGlobalP);
+    const bool open = out_.p_global <= in_force_.Limit(rules::kGlobalP);
     if (open) Grow(found);
     if (open) CompareCurves();
     RankNames();
@@ -56,7 +56,8 @@ class Assessor {
     for (std::size_t size = 1; size < found.best.size(); ++size) {
       const EffectSet& grown = found.best[size];
       const double more = grown.net - out_.chosen.net;
-      if (more > Limit(rules::kEvidence) && more > Limit(rules::kShapeMisfit) * out_.chosen.net &&
+      if (more > in_force_.Limit(rules::kEvidence) &&
+          more > in_force_.Limit(rules::kShapeMisfit) * out_.chosen.net &&
           EveryMemberCounts(grown)) {
         out_.chosen = grown;
       }
@@ -68,9 +69,9 @@ class Assessor {
     if (with.empty()) return;
     const double per_row =
         (with.net - out_.chosen.net) / (2.0 * static_cast<double>(problem_.y.size()));
-    if (!(per_row > Limit(rules::kCurveEvidence))) return;
+    if (!(per_row > in_force_.Limit(rules::kCurveEvidence))) return;
     const double statistic = Statistic(with.gain - out_.chosen.gain, with.members.back());
-    if (POfCurve(out_.chosen, with, statistic) > Limit(rules::kMemberP)) return;
+    if (POfCurve(out_.chosen, with, statistic) > in_force_.Limit(rules::kMemberP)) return;
     NoteUnexplained(with);
   }
 
@@ -86,10 +87,11 @@ class Assessor {
 
   // Does it explain so much more, of the misfit, of the variance, or of values that were measured?
   bool Adequate(const EffectSet& without, const EffectSet& with, const Hypothesis& added) const {
-    return with.net - without.net > LeastShare(added) * misfit_ ||
-           problem_.VarianceShare(with) - problem_.VarianceShare(without) > LeastVariance(added) ||
+    return with.net - without.net > LeastShare(added, in_force_) * misfit_ ||
+           problem_.VarianceShare(with) - problem_.VarianceShare(without) >
+               LeastVariance(added, in_force_) ||
            (problem_.plain_precision.size() > 0 &&
-            PriorMisfit(without) - PriorMisfit(with) > Limit(rules::kPriorPenalty));
+            PriorMisfit(without) - PriorMisfit(with) > in_force_.Limit(rules::kPriorPenalty));
   }
 
   double PriorMisfit(const EffectSet& set) const {
@@ -111,7 +113,7 @@ class Assessor {
     }
     if (loudest.empty()) return 1.0;
     const NullTest test = Test({}, problem_.Left(loudest));
-    out_.least_statistic = test.Least(Limit(rules::kGlobalP));
+    out_.least_statistic = test.Least(in_force_.Limit(rules::kGlobalP));
     return test.P(statistic(loudest));
   }
 
@@ -223,35 +225,38 @@ class Assessor {
           out_.chosen.members.begin(), out_.chosen.members.end(),
           [&](std::size_t member) { return problem_.hypotheses()[member].name == score.name; });
       if (!score.accepted) {
-        score.refused = open ? TooLittle(single) : RefusedBy(rules::kGlobalP, out_.p_global);
+        score.refused =
+            open ? TooLittle(single) : in_force_.RefusedBy(rules::kGlobalP, out_.p_global);
       }
       out_.scores.push_back(std::move(score));
     }
     for (const EffectSet& single : found.out_of_range) {
       out_.scores.push_back(ScoreOf(single));
       out_.scores.back().refused =
-          RefusedBy(rules::kRange, TimesOutOfRange(problem_.hypotheses(), single));
+          in_force_.RefusedBy(rules::kRange, TimesOutOfRange(problem_.hypotheses(), single));
     }
   }
 
   // Why an effect that stands in nobody's way is no member.
   Refusal TooLittle(const EffectSet& single) const {
     const Hypothesis& h = problem_.hypotheses()[single.members.front()];
-    if (single.net <= Limit(rules::kEvidence)) {
-      return RefusedBy(rules::kEvidence, single.net);
+    if (single.net <= in_force_.Limit(rules::kEvidence)) {
+      return in_force_.RefusedBy(rules::kEvidence, single.net);
     }
-    if (single.net <= LeastShare(h) * misfit_) {
-      return RefusedBy(RuleOfShare(h), single.net / misfit_);
+    if (single.net <= LeastShare(h, in_force_) * misfit_) {
+      return in_force_.RefusedBy(RuleOfShare(h), single.net / misfit_);
     }
     // Beside the set, of which it may repeat a part.
     std::vector<std::size_t> both = out_.chosen.members;
     both.push_back(single.members.front());
     const EffectSet beside = FitSet(problem_.evidence, problem_.hypotheses(), std::move(both));
     const double more = beside.net - out_.chosen.net;
-    return RefusedBy(rules::kShapeMisfit, out_.chosen.net > 0.0 ? more / out_.chosen.net : 1.0);
+    return in_force_.RefusedBy(rules::kShapeMisfit,
+                               out_.chosen.net > 0.0 ? more / out_.chosen.net : 1.0);
   }
 
   const Problem& problem_;
+  const InForce& in_force_ = problem_.in_force();
   const std::vector<identify::Block>& blocks_;
   const effects::Balance balance_;
   const BootstrapOptions bootstrap_;

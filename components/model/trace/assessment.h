@@ -31,6 +31,11 @@ struct BootstrapOptions {
   std::uint64_t seed = 1;
 };
 
+inline BootstrapOptions BootstrapOf(const TraceOptions& options) {
+  constexpr int kRoundsOfSearch = 200;
+  return {kRoundsOfSearch * options.searches, options.searches, options.seed};
+}
+
 // blocks: of the whitened rows; refuted: names of hypotheses that are excluded.
 SetAssessment AssessSets(const Problem& problem, const std::vector<identify::Block>& blocks,
                          effects::Balance balance, std::size_t largest_set,

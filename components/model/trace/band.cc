@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "components/model/identify/balance.h"
+#include "components/model/identify/block_regression.h"
 #include "components/model/identify/design.h"
 #include "components/model/identify/processing.h"
 #include "components/model/identify/statistics.h"
@@ -38,9 +39,9 @@ class Filtered {
   const std::vector<char>& used() const { return design_.rows().used; }
 
   // Puts the effects beside the declared terms, each at the middle of its grid.
-  void AddEffects(const actuator::JointModel& joint) {
+  void AddEffects(const actuator::JointModel& joint, const InForce& in_force) {
     design_.PredictDrive(joint);
-    for (const Candidate& candidate : MakeCandidates(design_, joint).candidates) {
+    for (const Candidate& candidate : MakeCandidates(design_, joint, in_force).candidates) {
       const Eigen::MatrixXd& more = candidate.grid[candidate.grid.size() / 2].columns;
       Eigen::MatrixXd& columns = balance_.columns;
       columns.conservativeResize(Eigen::NoChange, columns.cols() + more.cols());
@@ -74,7 +75,7 @@ bool Better(const Filtered& next, const Filtered& best, double share) {
 identify::ProcessingOptions BandOfLeastResidual(const std::vector<types::Run>& train,
                                                 const std::vector<types::Run>& held_out,
                                                 const actuator::JointModel& joint,
-                                                double longest_gap_s) {
+                                                double longest_gap_s, const InForce& in_force) {
   const bool motor = train.front().Has(types::Signal::kMotorPosition);
   const double least_Hz = motor ? 0.0 : identify::QuietBand(held_out, joint, longest_gap_s);
   const auto at = [&](double wider) {
@@ -85,10 +86,10 @@ identify::ProcessingOptions BandOfLeastResidual(const std::vector<types::Run>& t
   // In at most so many steps, while each leaves less than that share of what the one before left.
   const auto follow = [&](double step, const Steps& steps) {
     double wider = step;
-    if (steps.with_effects) best.AddEffects(joint);
+    if (steps.with_effects) best.AddEffects(joint, in_force);
     for (int k = 0; k < steps.most; ++k, wider *= step) {
       Filtered next = at(wider);
-      if (steps.with_effects) next.AddEffects(joint);
+      if (steps.with_effects) next.AddEffects(joint, in_force);
       if (!Better(next, best, steps.share)) return k > 0;
       best = std::move(next);
     }

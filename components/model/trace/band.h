@@ -22,6 +22,7 @@
 #include "components/base/types/run.h"
 #include "components/model/actuator/model.h"
 #include "components/model/identify/processing_settings.h"
+#include "components/model/trace/rules.h"
 
 namespace sinew::trace {
 
@@ -29,7 +30,7 @@ namespace sinew::trace {
 identify::ProcessingOptions BandOfLeastResidual(const std::vector<types::Run>& train,
                                                 const std::vector<types::Run>& held_out,
                                                 const actuator::JointModel& joint,
-                                                double longest_gap_s);
+                                                double longest_gap_s, const InForce& in_force);
 
 // How long after a contact of the teeth the residual of the declared terms is louder than far away
 // from it, by more than a tenth, s; 0: it is not, or the gear is rigid. At most so long that two

@@ -161,10 +161,11 @@ std::vector<std::vector<double>> GridFor(const identify::Design& design,
   return GridOf(scaled);
 }
 
-CandidateSet MakeCandidates(const identify::Design& design, const actuator::JointModel& model) {
+CandidateSet MakeCandidates(const identify::Design& design, const actuator::JointModel& model,
+                            const InForce& in_force) {
   CandidateSet out;
   for (const auto& [name, balance] : effects::EffectForms()) {
-    if (balance != model.balance || !HasEffect(name)) continue;
+    if (balance != model.balance || !in_force.Has(name)) continue;
     std::shared_ptr<const effects::Effect> effect =
         effects::MakeEffect(name, model.constants, balance);
     const effects::EffectInfo& info = effect->info();
@@ -237,10 +238,10 @@ CandidateSet MakeCandidates(const identify::Design& design, const actuator::Join
   return out;
 }
 
-std::vector<Candidate> EventCandidates(const actuator::JointModel& model) {
+std::vector<Candidate> EventCandidates(const actuator::JointModel& model, const InForce& in_force) {
   std::vector<Candidate> out;
   for (const std::string& name : effects::EffectNames()) {
-    if (!HasEffect(name) || IsStated(name, model)) continue;
+    if (!in_force.Has(name) || IsStated(name, model)) continue;
     Candidate candidate;
     candidate.effect = effects::MakeEffect(name, model.constants);
     const effects::EffectInfo& info = candidate.effect->info();

@@ -10,6 +10,7 @@
 
 #include "components/model/actuator/model.h"
 #include "components/model/identify/design.h"
+#include "components/model/trace/rules.h"
 
 namespace sinew::trace {
 
@@ -39,14 +40,15 @@ struct CandidateSet {
 // Every passive or inertia effect of the model's balance that the model does not hold (effects with
 // nonlinear parameters may come again with another setting). Drive terms are no candidates; events
 // are none before their instants are known (event_search.h).
-CandidateSet MakeCandidates(const identify::Design& design, const actuator::JointModel& model);
+CandidateSet MakeCandidates(const identify::Design& design, const actuator::JointModel& model,
+                            const InForce& in_force);
 
 // Does a temperature_degC or payload_kg differ between recordings only, and between too few of them
 // to distinguish it from everything else that was not the same?
 bool DiffersBetweenFewRecordings(const identify::Design& design, std::string_view variable);
 
 // The effects of the motion's balance that begin at an instant, without a grid.
-std::vector<Candidate> EventCandidates(const actuator::JointModel& model);
+std::vector<Candidate> EventCandidates(const actuator::JointModel& model, const InForce& in_force);
 
 // All combinations of the grids of an effect's nonlinear parameters; one empty setting without any.
 std::vector<std::vector<double>> GridOf(const effects::EffectInfo& info);

@@ -32,8 +32,9 @@ void DropFindings(LoopResult* loop) {
   loop->held_out->PredictDrive(trace.corrected);
 }
 
-TraceResult NotAssessed(const actuator::JointModel& joint, TooLittle why) {
+TraceResult NotAssessed(const actuator::JointModel& joint, TooLittle why, const InForce& in_force) {
   TraceResult out;
+  out.in_force = in_force;
   out.verdict = Verdict::kTooLittleData;
   out.nominal = out.declared = out.corrected = joint;
   out.too_little = std::move(why);
@@ -53,13 +54,14 @@ LoopResult Analyse(const std::vector<types::Run>& train, const std::vector<types
   const bool held = train.front().held;
   loop.processing = held               ? identify::FromMotion(held_out, joint, longest_gap_s)
                     : given.processing ? identify::Resolve(*given.processing, train)
-                                       : BandOfLeastResidual(train, held_out, joint, longest_gap_s);
+                                       : BandOfLeastResidual(train, held_out, joint, longest_gap_s,
+                                                             given.in_force);
   if (!held) loop.processing.contact_guard_s = ContactGuard(train, joint, loop.processing);
   loop.train.emplace(identify::MakeStates(train, joint, loop.processing), loop.processing);
   loop.held_out.emplace(identify::MakeStates(held_out, joint, loop.processing), loop.processing);
   if (!held) {
-    if (auto too_little = FindTooLittle(*loop.train, *loop.held_out, joint)) {
-      loop.trace = NotAssessed(joint, std::move(*too_little));
+    if (auto too_little = FindTooLittle(*loop.train, *loop.held_out, joint, options.in_force)) {
+      loop.trace = NotAssessed(joint, std::move(*too_little), options.in_force);
       return loop;
     }
   }
@@ -100,8 +102,11 @@ LoopResult CloseLoop(const std::vector<types::Run>& train, const std::vector<typ
     return Analyse(train, held_out, joint, longest_gap_s, options);
   } catch (const identify::TooLittleData& error) {
     LoopResult out;
-    out.trace = NotAssessed(
-        joint, {.rule = rules::kRows.id, .limit = Limit(rules::kRows), .reason = error.what()});
+    out.trace = NotAssessed(joint,
+                            {.rule = rules::kRows.id,
+                             .limit = options.in_force.Limit(rules::kRows),
+                             .reason = error.what()},
+                            options.in_force);
     return out;
   }
 }

@@ -25,7 +25,7 @@ Confirmation ConfirmSlope(const Eigen::Ref<const Eigen::VectorXd>& left_over,
   Confirmation out;
   out.blocks = static_cast<int>(blocks.size());
   const double power = change.squaredNorm();
-  if (!(power > 0.0) || static_cast<double>(blocks.size()) < Limit(rules::kHeldOutBlocks))
+  if (!(power > 0.0) || static_cast<double>(blocks.size()) < rules::kHeldOutBlocks.limit)
     return out;
   out.slope = change.dot(left_over) / power;
   double meat = 0.0;
@@ -48,12 +48,11 @@ Confirmation Confirm(const identify::Design& held_out, const Likelihood& likelih
                      const identify::FitResult& without, const identify::FitResult& with) {
   const UsedRows& used = likelihood.used;
   const auto left = [&](const identify::FitResult& fit) -> Eigen::VectorXd {
-    const identify::Balance balance = identify::MakeBalance(held_out, fit.model, fit.keep_scale);
-    if (balance.columns.cols() != fit.coefficients.size()) return {};
+    const identify::Balance balance =
+        identify::MakeBalance(held_out, fit.model, fit.balance.fits_scale);
     return balance.target(used.rows) - used.Of(balance.columns) * fit.coefficients;
   };
   const Eigen::VectorXd before = left(without), after = left(with);
-  if (before.size() == 0 || before.size() != after.size()) return {};
   return ConfirmSlope(Whiten(likelihood, before), Whiten(likelihood, before - after), used.blocks);
 }
 

@@ -36,11 +36,11 @@ int IndependentBlocks(const identify::Design& design) {
 
 std::optional<TooLittle> FindTooLittle(const identify::Design& train,
                                        const identify::Design& held_out,
-                                       const actuator::JointModel& model) {
+                                       const actuator::JointModel& model, const InForce& in_force) {
   const auto too_few = [&](const Rule& rule, double statistic, const char* of,
                            const identify::Design& design,
                            const char* counted) -> std::optional<TooLittle> {
-    if (statistic >= Limit(rule)) return std::nullopt;
+    if (statistic >= in_force.Limit(rule)) return std::nullopt;
     return TooLittle{rule.id, statistic, rule.limit,
                      Sentence(of, design, statistic, rule, counted)};
   };

@@ -7,6 +7,7 @@
 
 #include "components/model/actuator/model.h"
 #include "components/model/identify/design.h"
+#include "components/model/trace/rules.h"
 
 namespace sinew::trace {
 
@@ -24,6 +25,6 @@ int IndependentBlocks(const identify::Design& design);
 // The first rule that is broken; nothing: there is enough. train, held-out: raw rows.
 std::optional<TooLittle> FindTooLittle(const identify::Design& train,
                                        const identify::Design& held_out,
-                                       const actuator::JointModel& model);
+                                       const actuator::JointModel& model, const InForce& in_force);
 
 }  // namespace sinew::trace

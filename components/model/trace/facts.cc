@@ -16,18 +16,20 @@ namespace {
 // nothing is named.
 constexpr double kUnassessed = 0.75;
 
+constexpr double k95 = 1.96;  // standard deviations either way
+
 // A held-out balance beside what training found, at its used rows.
 class HeldOutBalance {
  public:
   HeldOutBalance(const Problem& problem, const identify::Design& design,
-                 const actuator::JointModel& declared_fit, bool keep_scale, const Likelihood& train)
+                 const identify::FitResult& declared_fit, const Likelihood& train)
       : problem_(problem), design_(design) {
     likelihood_.no_nuisance = train.no_nuisance;
     likelihood_.used = MakeUsedRows(design, kFewestRowsPerBlock);
-    const identify::Balance balance = identify::MakeBalance(design, declared_fit, keep_scale);
-    usable_ =
-        balance.columns.cols() == problem.bank.parameters && used().size() >= kFewestRowsPerBlock;
+    usable_ = used().size() >= kFewestRowsPerBlock;
     if (!usable_) return;
+    const identify::Balance balance =
+        identify::MakeBalance(design, declared_fit.model, declared_fit.balance.fits_scale);
     declared_ = used().Of(balance.columns);
     target_ = balance.target(used().rows);
   }
@@ -84,10 +86,10 @@ Eigen::VectorXd Turned(const Hypothesis& lines, const Eigen::VectorXd& c, double
   return out;
 }
 
-// The turn at which columns * Turned(c) explains most of y, where that is more than chance: by
-// rule evidence. Of turns that do equally well the smallest; 0: none.
+// The turn at which columns * Turned(c) explains most of y, by more than `least`. Of turns that do
+// equally well the smallest; 0: none.
 double BestTurn(const Hypothesis& lines, const Eigen::VectorXd& c, const Eigen::MatrixXd& columns,
-                const Eigen::VectorXd& y) {
+                const Eigen::VectorXd& y, double least) {
   constexpr double kStepsPerPeriod = 16.0;
   const Eigen::MatrixXd gram = columns.transpose() * columns;
   const Eigen::VectorXd moment = columns.transpose() * y;
@@ -101,7 +103,7 @@ double BestTurn(const Hypothesis& lines, const Eigen::VectorXd& c, const Eigen::
   }
   const double step = types::kTwoPi / (kStepsPerPeriod * highest);
   const double here = gain(0.0);
-  double best = 0.0, most = here + Limit(rules::kEvidence);
+  double best = 0.0, most = here + least;
   for (int k = 1; k * step <= std::numbers::pi; ++k) {
     for (const double turn_rad : {k * step, -k * step}) {
       const double found = gain(turn_rad);
@@ -122,10 +124,21 @@ double Facts::Score() const {
 }
 
 void Facts::SetSlope(const Confirmation& confirmation) {
+  blocks = confirmation.blocks;
   slope.reset();
   if (!(confirmation.upper > confirmation.lower)) return;
   slope = confirmation.slope;
-  error = (confirmation.upper - confirmation.lower) / (2.0 * 1.96);
+  error = (confirmation.upper - confirmation.lower) / (2.0 * k95);
+}
+
+Confirmation Facts::AsConfirmation() const {
+  Confirmation out;
+  out.blocks = blocks;
+  if (!slope) return out;
+  out.slope = *slope;
+  out.lower = *slope - k95 * error;
+  out.upper = *slope + k95 * error;
+  return out;
 }
 
 double CurveBeside(const Problem& problem, const EffectSet& set) {
@@ -135,14 +148,14 @@ double CurveBeside(const Problem& problem, const EffectSet& set) {
 }
 
 std::vector<ZeroTurn> FindZeroTurns(const Problem& problem, const EffectSet& set, std::size_t k,
-                                    const actuator::JointModel& declared_fit, bool keep_scale,
+                                    const identify::FitResult& declared_fit,
                                     const Likelihood& train, identify::Design* held_out) {
   std::vector<ZeroTurn> out;
   const Hypothesis& member = problem.hypotheses()[set.members[k]];
   if (member.effect->info().ripple != effects::Side::kMotor || member.settings.size() < 2) {
     return out;
   }
-  const HeldOutBalance balance(problem, *held_out, declared_fit, keep_scale, train);
+  const HeldOutBalance balance(problem, *held_out, declared_fit, train);
   if (!balance.usable()) return out;
   Eigen::Index at = 0;
   for (std::size_t j = 0; j < k; ++j) {
@@ -153,7 +166,7 @@ std::vector<ZeroTurn> FindZeroTurns(const Problem& problem, const EffectSet& set
   const Eigen::VectorXd rest = balance.Left(set) + columns * c;
   // The noise is what lines of any size and phase leave there.
   Likelihood likelihood = balance.likelihood();
-  LearnNoise(*held_out, identify::LeftBy(columns, rest), declared_fit.balance, &likelihood);
+  LearnNoise(*held_out, identify::LeftBy(columns, rest), declared_fit.model.balance, &likelihood);
   for (std::size_t run = 0; run < held_out->states().run_names.size(); ++run) {
     Eigen::VectorXd of_run = Eigen::VectorXd::Zero(rest.size());
     for (Eigen::Index i = 0; i < rest.size(); ++i) {
@@ -163,7 +176,8 @@ std::vector<ZeroTurn> FindZeroTurns(const Problem& problem, const EffectSet& set
     const Eigen::MatrixXd own = of_run.asDiagonal() * columns;
     const Eigen::VectorXd own_rest = of_run.cwiseProduct(rest);
     const double turn_rad =
-        BestTurn(member, c, Whiten(likelihood, own), Whiten(likelihood, own_rest).col(0));
+        BestTurn(member, c, Whiten(likelihood, own), Whiten(likelihood, own_rest).col(0),
+                 problem.in_force().Limit(rules::kEvidence));
     if (turn_rad == 0.0) continue;
     held_out->SetMotorTurn(static_cast<int>(run), turn_rad);
     out.push_back({member.name, held_out->states().run_names[run], turn_rad});
@@ -172,20 +186,21 @@ std::vector<ZeroTurn> FindZeroTurns(const Problem& problem, const EffectSet& set
 }
 
 Facts FactsOf(const Problem& problem, const EffectSet& set, std::size_t k,
-              const identify::Design& held_out, const actuator::JointModel& declared_fit,
-              bool keep_scale, const Likelihood& train) {
+              const identify::Design& held_out, const identify::FitResult& declared_fit,
+              const Likelihood& train) {
   Facts out;
   const Hypothesis& member = problem.hypotheses()[set.members[k]];
   const EffectSet without = WithoutMember(problem.evidence, problem.hypotheses(), set, k);
   if (member.effect->info().event) return out;
 
-  const HeldOutBalance balance(problem, held_out, declared_fit, keep_scale, train);
+  const HeldOutBalance balance(problem, held_out, declared_fit, train);
+  out.blocks = static_cast<int>(balance.used().blocks.size());
   if (!balance.usable()) return out;
   // What the member changes, the declared terms refitted in training with and without it.
   const Eigen::VectorXd rest = balance.Left(set);
   const Eigen::VectorXd own = balance.Left(without) - rest;
   Likelihood likelihood = balance.likelihood();
-  const Nuisances nuisances = MakeNuisances(held_out, likelihood, declared_fit);
+  const Nuisances nuisances = MakeNuisances(held_out, likelihood, declared_fit.model);
   const Prior prior{
       nuisances.mean,
       (nuisances.spread.array() > 0.0).select(nuisances.spread.array().square().inverse(), 0.0)};
@@ -195,7 +210,7 @@ Facts FactsOf(const Problem& problem, const EffectSet& set, std::size_t k,
     if (train.noise.order() == 0) {
       SetNoise(left_over, left_over.size(), 0, &likelihood);
     } else {
-      LearnNoise(held_out, left_over, declared_fit.balance, &likelihood);
+      LearnNoise(held_out, left_over, declared_fit.model.balance, &likelihood);
     }
   };
   learn(rest);

@@ -21,12 +21,14 @@ struct Facts {
   // Held out; none: no row shows it, or it began at an instant, which FactsOf does not know there.
   std::optional<double> slope;
   double error = 0.0;  // of the slope, one standard deviation
+  int blocks = 0;      // of the held-out recordings
 
   // Fewer standard errors than these a slope of one says nothing.
   bool Assessed() const { return slope && error < 1.0 / kLeastExpected; }
   double Score() const;
-  // The slope and its error of a confirmation.
+  // Slope, error and blocks of a confirmation, and as one, without a verdict.
   void SetSlope(const Confirmation& confirmation);
+  Confirmation AsConfirmation() const;
 
   static constexpr double kLeastExpected = 2.5;
 };
@@ -38,12 +40,12 @@ double CurveBeside(const Problem& problem, const EffectSet& set);
 // motor's shaft with it: where lines of member k, two at least (one alone can be turned to fit
 // anything), explain more of a held-out recording by another zero, the design gets that zero.
 std::vector<ZeroTurn> FindZeroTurns(const Problem& problem, const EffectSet& set, std::size_t k,
-                                    const actuator::JointModel& declared_fit, bool keep_scale,
+                                    const identify::FitResult& declared_fit,
                                     const Likelihood& train, identify::Design* held_out);
 
 // Facts of member k without the curve. held_out: its drive predicted by the fit in training.
 Facts FactsOf(const Problem& problem, const EffectSet& set, std::size_t k,
-              const identify::Design& held_out, const actuator::JointModel& declared_fit,
-              bool keep_scale, const Likelihood& train);
+              const identify::Design& held_out, const identify::FitResult& declared_fit,
+              const Likelihood& train);
 
 }  // namespace sinew::trace

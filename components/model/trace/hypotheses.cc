@@ -63,7 +63,7 @@ class Builder {
           const actuator::JointModel& model, const identify::Balance& balance, Bank* bank)
       : design_(design),
         likelihood_(likelihood),
-        constants_(model.constants),
+        model_(model),
         used_(likelihood.used),
         bank_(*bank) {
     scale_ = balance.fits_scale ? balance.Scale(balance.nominal) : 1.0;
@@ -140,9 +140,9 @@ class Builder {
       double& spread = bank_.spread[columns[i]];
       spread = std::min(spread, kTimesSeen * seen);
       if (machine_ && !info.event) {
-        spread = std::min(spread, ExpectedSize(parameter, *machine_, constants_) / unit);
+        spread = std::min(spread, ExpectedSize(parameter, *machine_, model_.constants) / unit);
       }
-      const Range range = RangeOnAnyMachine(parameter);
+      const Range range = RangeOfAddition(design_, model_, *h->effect, psi, i);
       h->lower.push_back(std::min(range.lower, 0.0) / unit);
       h->upper.push_back(std::max(range.upper, 0.0) / unit);
       if (!info.follows_record) continue;
@@ -218,7 +218,7 @@ class Builder {
 
   const identify::Design& design_;
   const Likelihood& likelihood_;
-  const effects::JointConstants& constants_;
+  const actuator::JointModel& model_;  // as declared
   const UsedRows& used_;
   Bank& bank_;
   std::optional<MachineSize> machine_;  // of the motion's balance
@@ -254,17 +254,21 @@ const Rule& RuleOfShare(const Hypothesis& hypothesis) {
                                                        : rules::kExplainedShare;
 }
 
-double LeastShare(const Hypothesis& hypothesis) { return Limit(RuleOfShare(hypothesis)); }
+double LeastShare(const Hypothesis& hypothesis, const InForce& in_force) {
+  return in_force.Limit(RuleOfShare(hypothesis));
+}
 
-double LeastVariance(const Hypothesis& hypothesis) {
+double LeastVariance(const Hypothesis& hypothesis, const InForce& in_force) {
   const double more = RuleOfShare(hypothesis).limit / rules::kExplainedShare.limit;
-  return more * Limit(rules::kVarianceShare);
+  return more * in_force.Limit(rules::kVarianceShare);
 }
 
 Bank MakeBank(const identify::Design& design, const Likelihood& likelihood,
-              const actuator::JointModel& model, const identify::Balance& balance) {
+              const actuator::JointModel& model, const identify::Balance& balance,
+              const InForce& in_force) {
   const UsedRows& used = likelihood.used;
   Bank bank;
+  bank.in_force = in_force;
   bank.target = balance.target(used.rows);
   bank.parameters = balance.columns.cols();
   bank.columns.resize(used.size(), 0);
@@ -277,7 +281,7 @@ Bank MakeBank(const identify::Design& design, const Likelihood& likelihood,
 
   Builder builder(design, likelihood, model, balance, &bank);
   const bool spectrum = design.states().measured.contains("motor_position_rad");
-  CandidateSet set = MakeCandidates(design, model);
+  CandidateSet set = MakeCandidates(design, model, in_force);
   for (const Candidate& candidate : set.candidates) {
     if (spectrum && candidate.name() == "cogging") continue;  // AddOrders
     builder.AddEffect(candidate);

@@ -62,11 +62,12 @@ bool ShowsPeriods(double order, double turns);
 // Share of the misfit that it has to explain: rule explained_share, or curve_share where it is
 // identified from rates and not steady.
 const Rule& RuleOfShare(const Hypothesis& hypothesis);
-double LeastShare(const Hypothesis& hypothesis);
+double LeastShare(const Hypothesis& hypothesis, const InForce& in_force);
 // The same of the residual's variance (rule variance_share), as much more there.
-double LeastVariance(const Hypothesis& hypothesis);
+double LeastVariance(const Hypothesis& hypothesis, const InForce& in_force);
 
 struct Bank {
+  InForce in_force;          // of the run
   Eigen::MatrixXd declared;  // used rows, not whitened
   Prior prior;               // of the declared columns, before whitening by sigma
   Eigen::VectorXd target;
@@ -79,7 +80,8 @@ struct Bank {
 
 // The drive of `design` must be predicted. model: as declared; balance: made for it.
 Bank MakeBank(const identify::Design& design, const Likelihood& likelihood,
-              const actuator::JointModel& model, const identify::Balance& balance);
+              const actuator::JointModel& model, const identify::Balance& balance,
+              const InForce& in_force);
 
 // Adds what an order spectrum of the whitened residual shows: lines of cogging and of the gear as
 // one hypothesis each, other orders as free lines.

@@ -70,7 +70,7 @@ class Correction {
       if (round == 0) {
         result->p_global = assessed_.p_global;
         least_statistic_ = assessed_.least_statistic;
-        result->rounds.front().scores = assessed_.scores;
+        result->scores = assessed_.scores;
       }
       result->unexplained = assessed_.unexplained;
       if (assessed_.chosen.empty()) return;
@@ -166,7 +166,7 @@ class Correction {
       FoundEffect effect = std::move(found[*leaves]);
       effect.term = -1;
       const bool refuted = effect.confirmation.verdict == ConfirmationVerdict::kRefuted;
-      if (effect.score >= Limit(rules::kOpen)) {
+      if (effect.score >= options_.in_force.Limit(rules::kOpen)) {
         (refuted ? result->refuted : result->open).push_back(std::move(effect));
       }
       Leave(*leaves);
@@ -190,7 +190,8 @@ class Correction {
 
   // Could the motion have been driven, had the fitted model been true? held_out_error: its own.
   bool Drivable(double held_out_error) const {
-    return BeyondDrive() <= Limit(rules::kBeyondDrive) && std::isfinite(held_out_error);
+    return BeyondDrive() <= options_.in_force.Limit(rules::kBeyondDrive) &&
+           std::isfinite(held_out_error);
   }
   double BeyondDrive() const { return std::max(train_.beyond_drive(), held_out_.beyond_drive()); }
 
@@ -278,12 +279,11 @@ class Correction {
     found.train_after = identify::ErrorOf(train_, corrected_.model, declared_).rms;
     found.held_out_before = identify::ErrorOf(held_out_, without.model, declared_).rms;
     found.held_out_after = HeldOutError();
-    found.confirmation =
-        trace::Confirm(held_out_, LikelihoodOf(held_out_, corrected_, 0), without, corrected_);
     Facts facts = facts_[k];
     if (problem_.hypotheses()[set_.members[k]].effect->info().event) {
       // It began elsewhere there (LocateEvent).
-      facts.SetSlope(found.confirmation);
+      facts.SetSlope(
+          trace::Confirm(held_out_, LikelihoodOf(held_out_, corrected_, 0), without, corrected_));
     }
     Score(facts, without.model, &found);
     return found;
@@ -295,12 +295,8 @@ class Correction {
     found->score = facts.Score();
     found->curve = facts.curve;
     Confirmation& said = found->confirmation;
-    if (facts.slope) {
-      const double half = 1.96 * facts.error;
-      said = {ConfirmationVerdict::kNotConfirmed, *facts.slope, *facts.slope - half,
-              *facts.slope + half, std::max(1, said.blocks)};
-    }
-    const bool named = found->score >= Limit(rules::kScore);
+    said = facts.AsConfirmation();
+    const bool named = found->score >= options_.in_force.Limit(rules::kScore);
     std::optional<Refusal> refusal = Worsens(*found);
     if (!refusal && named) refusal = RaisesWhole(without);
     if (refusal) {
@@ -310,7 +306,7 @@ class Correction {
       said.verdict = ConfirmationVerdict::kConfirmed;
     } else {
       said.verdict = ConfirmationVerdict::kNotConfirmed;
-      found->refusal = RefusedBy(rules::kScore, found->score);
+      found->refusal = options_.in_force.RefusedBy(rules::kScore, found->score);
     }
   }
 
@@ -322,23 +318,24 @@ class Correction {
       held_out_.SetMotorTurn(static_cast<int>(run), 0.0);
     }
     for (std::size_t k = 0; k < set_.members.size(); ++k) {
-      const std::vector<ZeroTurn> found = FindZeroTurns(
-          problem_, set_, k, searched_.model, whitened_.keep_scale, whitened_, &held_out_);
+      const std::vector<ZeroTurn> found =
+          FindZeroTurns(problem_, set_, k, searched_, whitened_, &held_out_);
       zero_turns_.insert(zero_turns_.end(), found.begin(), found.end());
     }
     const double curve = CurveBeside(problem_, set_);
     for (std::size_t k = 0; k < set_.members.size(); ++k) {
-      facts_.push_back(
-          FactsOf(problem_, set_, k, held_out_, searched_.model, whitened_.keep_scale, whitened_));
+      facts_.push_back(FactsOf(problem_, set_, k, held_out_, searched_, whitened_));
       facts_.back().curve = curve;
     }
   }
 
   // What the drive cannot give, and what raises the held-out error.
   std::optional<Refusal> Worsens(const FoundEffect& found) const {
-    if (!Drivable(found.held_out_after)) return RefusedBy(rules::kBeyondDrive, BeyondDrive());
+    if (!Drivable(found.held_out_after))
+      return options_.in_force.RefusedBy(rules::kBeyondDrive, BeyondDrive());
     const double rise = Rise(found);
-    if (rise > Limit(rules::kRaises)) return RefusedBy(rules::kRaises, rise);
+    if (rise > options_.in_force.Limit(rules::kRaises))
+      return options_.in_force.RefusedBy(rules::kRaises, rise);
     return std::nullopt;
   }
 
@@ -347,7 +344,8 @@ class Correction {
     if (!options_.held_out_error) return std::nullopt;
     const double whole =
         options_.held_out_error(corrected_.model) / options_.held_out_error(without);
-    if (whole > Limit(rules::kRaises)) return RefusedBy(rules::kRaises, whole);
+    if (whole > options_.in_force.Limit(rules::kRaises))
+      return options_.in_force.RefusedBy(rules::kRaises, whole);
     return std::nullopt;
   }
 
@@ -388,14 +386,15 @@ TraceResult TraceByLikelihood(Design& train, Design& held_out, const actuator::J
     if (options.progress) options.progress(what, share);
   };
   progress("refit of the declared terms, noise", 0.05);
-  const LikelihoodFit base = EstimateLikelihood(&train, model);
+  const LikelihoodFit base = EstimateLikelihood(&train, model, options.in_force);
   held_out.UsePredictedRate(base.likelihood.predicted_rate);
   held_out.PredictDrive(base.fit.model);
   progress("columns", 0.4);
-  Problem problem = MakeProblem(train, base.likelihood, model, base.fit);
+  Problem problem = MakeProblem(train, base.likelihood, model, base.fit, options.in_force);
   std::optional<Likelihood> other;
   if (other_band != nullptr) other = CompareBands(other_band, model, &problem);
   TraceResult result;
+  result.in_force = options.in_force;
   result.nominal = model;
   const LikelihoodFit reported = Reported(train, base, model);
   result.declared = reported.fit.model;
@@ -409,31 +408,22 @@ TraceResult TraceByLikelihood(Design& train, Design& held_out, const actuator::J
   }
   NoteErrors(reported, base.fit.model, &train, &held_out, &result);
 
-  RoundReport round;
-  round.train_rms = reported.fit.rms;
-  round.held_out_rms = result.before_held_out.rms;
-  round.explainable_rms = base.richest_rms;
-  result.rounds.push_back(std::move(round));
-
   progress("sets of effects and their confirmation", 0.5);
   Correction correction(train, held_out, base, reported, problem, model, options);
-  const BootstrapOptions bootstrap{.rounds = options.sign_flip_rounds * options.searches,
-                                   .searches = options.searches,
-                                   .seed = options.seed};
+  const BootstrapOptions bootstrap = BootstrapOf(options);
   const std::set<std::string> unasked = Unasked(problem, options.agreed);
   correction.Run(
       [&](std::set<std::string> refuted) {
         refuted.insert(unasked.begin(), unasked.end());
-        SetAssessment assessed =
-            AssessSets(problem, base.likelihood.used.blocks, model.balance,
-                       static_cast<std::size_t>(options.max_rounds), bootstrap, refuted);
+        SetAssessment assessed = AssessSets(problem, base.likelihood.used.blocks, model.balance,
+                                            kLargestSet, bootstrap, refuted);
         if (options.agreed) ChooseAgreed(problem, *options.agreed, refuted, &assessed);
         return assessed;
       },
       &result);
   if (other) correction.WidenIntervals(other_band, *other);
   if (!correction.set().empty()) result.zero_turns = correction.zero_turns();
-  NoteOutcome(result, &result.rounds.front().scores);
+  NoteOutcome(result, &result.scores);
   result.detectable =
       FindDetectable(problem, model, correction.least_statistic(), correction.set());
   Sensitivity sensitivity = FindSensitivity(problem, result.detectable, Shown(result));
@@ -446,7 +436,7 @@ TraceResult TraceByLikelihood(Design& train, Design& held_out, const actuator::J
   held_out.PredictDrive(result.corrected);
   result.after_train = identify::ErrorOf(train, result.corrected, model);
   result.after_held_out = identify::ErrorOf(held_out, result.corrected, model);
-  const CandidateSet all = MakeCandidates(train, result.corrected);
+  const CandidateSet all = MakeCandidates(train, result.corrected, options.in_force);
   result.shifts = FindShifts(train, model, result.corrected_fit, all.candidates);
   for (auto* list : {&result.effects, &result.open, &result.refuted}) SortByGain(list);
   result.verdict = VerdictOf(result);

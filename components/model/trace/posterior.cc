@@ -34,7 +34,7 @@ Posterior Sorted(const std::map<std::string, double>& weights, const std::string
 }  // namespace
 
 Posterior PosteriorOfNames(double gain, const std::map<std::string, Alternative>& possible) {
-  const double scale = std::max(2.0, Limit(rules::kShapeMisfit) * gain);
+  const double scale = std::max(2.0, rules::kShapeMisfit.limit * gain);
   std::map<std::string, double> weights;
   for (const auto& [name, alternative] : possible) {
     // Beside other shapes than those that the set was chosen with, one may gain a little more.

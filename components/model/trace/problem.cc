@@ -1,5 +1,6 @@
 #include "components/model/trace/problem.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -144,8 +145,9 @@ Eigen::VectorXd Problem::LeftPlain(const Eigen::VectorXd& rest) const {
 }
 
 Problem MakeProblem(const identify::Design& design, const Likelihood& likelihood,
-                    const actuator::JointModel& declared, const identify::FitResult& fit) {
-  Bank bank = MakeBank(design, likelihood, declared, fit.balance);
+                    const actuator::JointModel& declared, const identify::FitResult& fit,
+                    const InForce& in_force) {
+  Bank bank = MakeBank(design, likelihood, declared, fit.balance, in_force);
   Eigen::MatrixXd X = Whiten(likelihood, bank.declared);
   Eigen::VectorXd y = Whiten(likelihood, bank.target);
   const Evidence alone(X, bank.prior, Eigen::MatrixXd(X.rows(), 0), Eigen::VectorXd(), y);
@@ -184,7 +186,8 @@ bool PredictedRateGainsMore(identify::Design* design, const Likelihood& likeliho
 
 }  // namespace
 
-LikelihoodFit EstimateLikelihood(identify::Design* design, const actuator::JointModel& declared) {
+LikelihoodFit EstimateLikelihood(identify::Design* design, const actuator::JointModel& declared,
+                                 const InForce& in_force) {
   LikelihoodFit out;
   Likelihood& likelihood = out.likelihood;
   likelihood.used = MakeUsedRows(*design, kFewestRowsPerBlock);
@@ -195,9 +198,11 @@ LikelihoodFit EstimateLikelihood(identify::Design* design, const actuator::Joint
   if (out.fit.balance.fits_scale) {
     const double error = std::sqrt(std::max(0.0, out.fit.covariance(0, 0))) /
                          std::abs(out.fit.balance.Scale(out.fit.coefficients));
-    likelihood.keep_scale =
-        out.fit.coefficients[0] <= 0.0 || (out.fit.balance.spread[0] == 0.0 && error > kScaleKnown);
-    if (likelihood.keep_scale) out.fit = FitWhitened(*design, likelihood, declared);
+    if (out.fit.coefficients[0] <= 0.0 ||
+        (out.fit.balance.spread[0] == 0.0 && error > kScaleKnown)) {
+      likelihood.fits_scale = false;
+      out.fit = FitWhitened(*design, likelihood, declared);
+    }
   }
   likelihood.predicted_rate = PredictedRateGainsMore(design, likelihood, declared, out.fit);
   design->UsePredictedRate(likelihood.predicted_rate);
@@ -205,7 +210,8 @@ LikelihoodFit EstimateLikelihood(identify::Design* design, const actuator::Joint
 
   // What begins at an instant must be known before the noise is: it would count as loud noise.
   if (!design->held()) {
-    likelihood.event = FindTimedEffect(*design, likelihood, declared, out.fit, kEventSeed);
+    likelihood.event =
+        FindTimedEffect(*design, likelihood, declared, out.fit, kEventSeed, in_force);
   }
   if (likelihood.event) SetClocksBy(*likelihood.event, likelihood.event->start_s, design);
 
@@ -218,7 +224,7 @@ LikelihoodFit EstimateLikelihood(identify::Design* design, const actuator::Joint
       LearnNoise(*design, WithoutEvent(*design, likelihood, residual), declared.balance,
                  &likelihood);
     }
-    const Problem problem = MakeProblem(*design, likelihood, declared, out.fit);
+    const Problem problem = MakeProblem(*design, likelihood, declared, out.fit, in_force);
     const Eigen::VectorXd rest = Richest(problem);
     out.richest_rms = problem.scale * identify::Rms(rest);
     LearnNoise(*design, rest, declared.balance, &likelihood);
@@ -235,8 +241,9 @@ LikelihoodFit EstimateLikelihood(identify::Design* design, const actuator::Joint
 
 Likelihood CompareBands(identify::Design* other, const actuator::JointModel& declared,
                         Problem* problem) {
-  const LikelihoodFit base = EstimateLikelihood(other, declared);
-  const Problem there = MakeProblem(*other, base.likelihood, declared, base.fit);
+  const LikelihoodFit base = EstimateLikelihood(other, declared, problem->in_force());
+  const Problem there =
+      MakeProblem(*other, base.likelihood, declared, base.fit, problem->in_force());
   const auto fit = [](const Problem& at, std::size_t h) {
     return FitSet(at.evidence, at.hypotheses(), {h});
   };
@@ -253,7 +260,8 @@ Likelihood CompareBands(identify::Design* other, const actuator::JointModel& dec
     if (!here.follows_rates()) continue;
     const EffectSet single = fit(*problem, h), &other_single = best[here.name];
     // Another shape is another column, and what shows nothing there agrees with anything.
-    const bool same = here.physical() && other_single.net > Limit(rules::kEvidence) &&
+    const bool same = here.physical() &&
+                      other_single.net > problem->in_force().Limit(rules::kEvidence) &&
                       there.hypotheses()[other_single.members.front()].settings.front().psi ==
                           here.settings.front().psi;
     if (same) {
@@ -270,7 +278,8 @@ Likelihood CompareBands(identify::Design* other, const actuator::JointModel& dec
 Likelihood LikelihoodOf(const identify::Design& design, const identify::FitResult& fit, int order) {
   Likelihood out;
   out.used = MakeUsedRows(design, kFewestRowsPerBlock);
-  const identify::Balance balance = identify::MakeBalance(design, fit.model, fit.keep_scale);
+  const identify::Balance balance =
+      identify::MakeBalance(design, fit.model, fit.balance.fits_scale);
   const Eigen::VectorXd rest = (balance.target - balance.columns * fit.coefficients)(out.used.rows);
   SetNoise(rest, ScaleWindow(design), order, &out);
   return out;

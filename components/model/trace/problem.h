@@ -25,6 +25,7 @@ struct Problem {
   double measured_rms = 0.0, measured_peak = 0.0;
 
   const std::vector<Hypothesis>& hypotheses() const { return bank.hypotheses; }
+  const InForce& in_force() const { return bank.in_force; }
   // Whitened residual with a set in the model.
   Eigen::VectorXd Left(const EffectSet& set) const;
   // The same with every block predicted by a fit without it (jackknife; CR3 of Bell, McCaffrey
@@ -55,7 +56,8 @@ Eigen::VectorXd Richest(const Problem& problem);
 
 // fit: of the declared terms; the design's drive must be predicted by it.
 Problem MakeProblem(const identify::Design& design, const Likelihood& likelihood,
-                    const actuator::JointModel& declared, const identify::FitResult& fit);
+                    const actuator::JointModel& declared, const identify::FitResult& fit,
+                    const InForce& in_force);
 
 // Rows and noise of a balance, and the declared terms fitted with them.
 struct LikelihoodFit {
@@ -66,7 +68,8 @@ struct LikelihoodFit {
 
 // The noise is that of the richest model: two passes, and rows far outside of it are left out. The
 // design's predicted drive follows the fit.
-LikelihoodFit EstimateLikelihood(identify::Design* design, const actuator::JointModel& declared);
+LikelihoodFit EstimateLikelihood(identify::Design* design, const actuator::JointModel& declared,
+                                 const InForce& in_force);
 
 // The size of an effect does not depend on a filter, that of what a low-pass of the angles cuts
 // off, or lets through of the noise, does. Effects identified from rates that are as large behind

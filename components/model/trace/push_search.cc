@@ -197,7 +197,7 @@ std::optional<Pushes> PushesOf(const identify::Design& design, const Scan& scan,
 std::optional<FoundEvent> FindPush(const identify::Design& design,
                                    std::shared_ptr<const effects::Effect> effect,
                                    double dry_friction, bool has_play,
-                                   const Eigen::VectorXd& residual) {
+                                   const Eigen::VectorXd& residual, const InForce& in_force) {
   const Scan scan = MakeScan(design, dry_friction, residual);
   const std::size_t runs = design.states().run_names.size();
   const double shortest_s =
@@ -208,8 +208,8 @@ std::optional<FoundEvent> FindPush(const identify::Design& design,
   const auto asked = static_cast<double>(kMostPushes * runs);
   for (double length_s = shortest_s; length_s <= longest_s; length_s *= std::numbers::sqrt2) {
     std::optional<Pushes> pushes = PushesOf(design, scan, length_s);
-    if (!pushes || !(pushes->peak > Limit(rules::kEventPeak))) continue;
-    if (!(asked * pushes->p < Limit(rules::kEventAlone))) continue;
+    if (!pushes || !(pushes->peak > in_force.Limit(rules::kEventPeak))) continue;
+    if (!(asked * pushes->p < in_force.Limit(rules::kEventAlone))) continue;
     if (!best || pushes->explained > best->explained) best = std::move(pushes);
   }
   if (!best) return std::nullopt;

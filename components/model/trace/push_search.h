@@ -16,7 +16,7 @@ namespace sinew::trace {
 std::optional<FoundEvent> FindPush(const identify::Design& design,
                                    std::shared_ptr<const effects::Effect> effect,
                                    double dry_friction, bool has_play,
-                                   const Eigen::VectorXd& residual);
+                                   const Eigen::VectorXd& residual, const InForce& in_force);
 
 // Instants, per recording, of pushes of a known length and size theta.
 std::vector<std::vector<double>> LocatePushes(const identify::Design& design, double length_s,

@@ -130,9 +130,9 @@ std::vector<FoundEffect> OpenEffects(const std::vector<Rotation>& rotations,
     if (2 * confirmations <= rotations.size()) continue;
     effect.term = -1;
     effect.confirmation.verdict = ConfirmationVerdict::kNotConfirmed;
-    effect.refusal =
-        RefusedBy(rules::kRotations, static_cast<double>(confirmations) /
-                                         static_cast<double>(ConfirmationsNeeded(rotations)));
+    effect.refusal = rotations.front().trace.in_force.RefusedBy(
+        rules::kRotations,
+        static_cast<double>(confirmations) / static_cast<double>(ConfirmationsNeeded(rotations)));
     out.push_back(std::move(effect));
   }
   return out;
@@ -150,7 +150,8 @@ std::set<std::string> AgreedEffects(const std::vector<Rotation>& rotations) {
   const auto agreed = [&](const std::string& name) {
     const auto share = static_cast<double>(Confirmations(rotations, name)) /
                        static_cast<double>(ConfirmationsNeeded(rotations));
-    return share >= Limit(rules::kRotations) && !refuted.contains(name);
+    return share >= rotations.front().trace.in_force.Limit(rules::kRotations) &&
+           !refuted.contains(name);
   };
   std::set<std::string> out;
   for (const std::pair<const std::string, double>& effect : gain) {

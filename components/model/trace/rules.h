@@ -3,11 +3,12 @@
 // test). Pure.
 #pragma once
 
+#include <functional>
 #include <limits>
+#include <set>
 #include <span>
 #include <string>
 #include <string_view>
-#include <vector>
 
 namespace sinew::trace {
 
@@ -112,18 +113,6 @@ inline constexpr Rule kEventAlone = {
 
 }  // namespace rules
 
-// The limit in force: the rule's, or `off` when it was taken out.
-double Limit(const Rule& rule);
-
-// Takes a rule out for the whole process, to measure what it is worth (`rig_bank run --without`).
-// Before anything is traced. Throws std::invalid_argument for a name that no rule has.
-void TakeOut(std::string_view id);
-std::vector<std::string> TakenOut();
-
-// The same for an effect: nothing is searched for under its name, as though no catalogue had it.
-void TakeOutEffect(std::string_view name);
-bool HasEffect(std::string_view name);
-
 // All of them, in order.
 std::span<const Rule> AllRules();
 
@@ -133,7 +122,20 @@ struct Refusal {
   double value = 0.0;
   double limit = 0.0;
 };
-Refusal RefusedBy(const Rule& rule, double value);
+
+// What decides in a run: all rules, and the whole catalogue, but for what is taken out to measure
+// its worth (`rig_bank run --without`). A run has one; whoever decides is given it.
+struct InForce {
+  std::set<std::string, std::less<>> without_rules{};    // ids
+  std::set<std::string, std::less<>> without_effects{};  // names that nothing is searched for under
+
+  // The rule's limit, or `off` when it was taken out.
+  double Limit(const Rule& rule) const {
+    return without_rules.contains(std::string_view(rule.id)) ? rule.off : rule.limit;
+  }
+  Refusal RefusedBy(const Rule& rule, double value) const { return {rule.id, value, Limit(rule)}; }
+  bool Has(std::string_view effect) const { return !without_effects.contains(effect); }
+};
 
 // The table in Markdown, as in docs/closing-the-loop.md.
 std::string FormatRules();

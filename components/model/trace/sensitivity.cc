@@ -64,15 +64,15 @@ constexpr const char* kCarried =
     "the declared terms carry all of it: only a shift of parameters shows";
 
 // Above 1: a size that matters, or that machines have, would not have been found.
-double Hides(const DetectableSize& size) {
-  return std::max(size.share / Limit(rules::kDetectable), size.of_expected);
+double Hides(const DetectableSize& size, const InForce& in_force) {
+  return std::max(size.share / in_force.Limit(rules::kDetectable), size.of_expected);
 }
 
 // Empty: it would have been found before it matters, and as large as machines have it.
-std::string WhyHidden(const DetectableSize& size) {
+std::string WhyHidden(const DetectableSize& size, const InForce& in_force) {
   char text[120] = "";
   if (size.share >= 1.0) return "up to all of the measured side could hide in this motion";
-  if (size.share > Limit(rules::kDetectable)) {
+  if (size.share > in_force.Limit(rules::kDetectable)) {
     std::snprintf(text, sizeof text, "up to %.2g %% of the measured side could hide in this motion",
                   100.0 * size.share);
   } else if (size.of_expected > 1.0) {
@@ -92,9 +92,9 @@ double VarianceSize(double share, double variance_per_power, double other) {
 }  // namespace
 
 double NeededGain(const Hypothesis& hypothesis, double misfit, double occam, double statistic,
-                  double by_variance) {
+                  double by_variance, const InForce& in_force) {
   // The effect is part of the misfit that its share is taken of.
-  const double share = LeastShare(hypothesis);
+  const double share = LeastShare(hypothesis, in_force);
   const double by_share = (share * misfit + occam + hypothesis.charge) / (1.0 - share);
   return std::max(std::min(by_share, by_variance), GainOfStatistic(statistic, hypothesis));
 }
@@ -140,15 +140,17 @@ std::vector<DetectableSize> FindDetectable(const Problem& problem,
     for (std::size_t i = 0; i < h.columns.size() && i < infos.size(); ++i) {
       const Eigen::Index j = h.columns[i];
       const double reduced = evidence.reduced()(j, j);
-      if (!(evidence.FreeShare(j) >= Limit(rules::kAbsorbed)) || !(reduced > 0.0)) continue;
+      if (!(evidence.FreeShare(j) >= problem.in_force().Limit(rules::kAbsorbed)) ||
+          !(reduced > 0.0))
+        continue;
       const Eigen::VectorXd column = problem.bank.columns.col(j);
       const double power = column.squaredNorm() - (Q.transpose() * column).squaredNorm();
-      const double by_variance = power > 0.0
-                                     ? VarianceSize(LeastVariance(h), problem.variance / power,
-                                                    std::abs(left.dot(column)) / power)
-                                     : kNever;
+      const double by_variance =
+          power > 0.0 ? VarianceSize(LeastVariance(h, problem.in_force()), problem.variance / power,
+                                     std::abs(left.dot(column)) / power)
+                      : kNever;
       const double needed = NeededGain(h, evidence.misfit(), evidence.Occam(h.columns), statistic,
-                                       by_variance * by_variance * reduced);
+                                       by_variance * by_variance * reduced, problem.in_force());
       const double c = kInexact *
                        SizeForPower(needed, static_cast<int>(h.columns.size()),
                                     ApparentSize(problem, h, j, found)) /
@@ -165,7 +167,8 @@ std::vector<DetectableSize> FindDetectable(const Problem& problem,
           .of_expected = c / problem.bank.spread[j],
           .shape = ShapeOf(h, declared.kind)};
       const auto [at, fresh] = best.try_emplace({h.name, i}, size);
-      if (!fresh && Hides(size) < Hides(at->second)) at->second = size;
+      if (!fresh && Hides(size, problem.in_force()) < Hides(at->second, problem.in_force()))
+        at->second = size;
     }
   }
   std::vector<DetectableSize> out;
@@ -187,12 +190,13 @@ Sensitivity FindSensitivity(const Problem& problem, const std::vector<Detectable
   }
   for (const DetectableSize& size : detectable) {
     const DetectableSize*& least = smallest[size.effect];
-    if (!least || Hides(size) < Hides(*least)) least = &size;
+    if (!least || Hides(size, problem.in_force()) < Hides(*least, problem.in_force()))
+      least = &size;
   }
   out.assessed.assign(shown.begin(), shown.end());
   for (const auto& [name, size] : smallest) {
     if (shown.contains(name)) continue;
-    const std::string why = size ? WhyHidden(*size) : kCarried;
+    const std::string why = size ? WhyHidden(*size, problem.in_force()) : kCarried;
     if (why.empty()) {
       out.assessed.push_back(name);
     } else {

@@ -18,7 +18,7 @@ namespace sinew::trace {
 // misfit: of the declared terms, without the effect; occam: of its columns (Evidence); by_variance:
 // misfit that goes with the variance (LeastVariance).
 double NeededGain(const Hypothesis& hypothesis, double misfit, double occam, double statistic,
-                  double by_variance);
+                  double by_variance, const InForce& in_force);
 
 // Size, in standard errors of its coefficient, at which an effect takes away `needed` in 80 % of
 // recordings. The gain of k columns is noncentral chi-square with k degrees of freedom, here by its

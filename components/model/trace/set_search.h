@@ -44,6 +44,9 @@ bool Physical(const Evidence& evidence, const std::vector<Hypothesis>& hypothese
 // all are inside.
 double TimesOutOfRange(const std::vector<Hypothesis>& hypotheses, const EffectSet& set);
 
+// Effects of a set at most.
+inline constexpr std::size_t kLargestSet = 3;
+
 struct SetSearch {
   std::vector<EffectSet> best;     // of size 0, 1, 2, 3; best.size() - 1 sizes were possible
   std::vector<EffectSet> singles;  // best setting of every family, physical ones only, best first

@@ -22,25 +22,24 @@
 namespace sinew::trace {
 
 struct TraceOptions {
+  InForce in_force{};
   std::uint64_t seed = 1;
-  int sign_flip_rounds = 200;  // random signs of the null test, for each of `searches`
   // Balances and joints that are searched together: any of them may give a false alarm
   // (Bonferroni).
   int searches = 1;
-  int max_rounds = 3;  // effects of a set
   // Effects that the held-out recordings neither confirm nor refute stay in the corrected model.
   bool keep_unconfirmed = false;
   // These effects and no others are fitted, whatever the rules of the search say (rotation.h).
-  std::optional<std::set<std::string>> agreed;
+  std::optional<std::set<std::string>> agreed{};
   // What the held-out recordings refute stays, too: for sets that are given, not found.
   bool keep_refuted = false;
   // Held-out error of the machine that the joint is part of, with this model of the joint and
   // everything else refitted (an arm's other joints and its bodies); none: the joint is all.
-  std::function<double(const actuator::JointModel&)> held_out_error;
+  std::function<double(const actuator::JointModel&)> held_out_error{};
   // Filters and guards that are declared; none: the recordings decide.
-  std::optional<identify::ProcessingOptions> processing;
+  std::optional<identify::ProcessingOptions> processing{};
   // Called with a line of progress and the share done, 0 to 1.
-  std::function<void(const std::string&, double)> progress;
+  std::function<void(const std::string&, double)> progress{};
 };
 
 // One candidate, alone beside the declared terms.
@@ -52,13 +51,6 @@ struct CandidateScore {
   double gain_share = 0.0;    // misfit that it takes away less its charge, share of the whole
   bool accepted = false;
   Refusal refused;
-};
-
-struct RoundReport {
-  double train_rms = 0.0;  // before the round
-  double held_out_rms = 0.0;
-  double explainable_rms = 0.0;        // what the richest model leaves
-  std::vector<CandidateScore> scores;  // best gain first
 };
 
 struct FoundEffect {
@@ -164,12 +156,12 @@ struct Assessment {
   identify::ModelError after_train, after_held_out;
   double noise_floor_rms = 0.0;  // of the sensors, measured; 0: unknown
   std::string noise_floor_source;
-  double ceiling_rms = 0.0;
+  double ceiling_rms = 0.0;              // what the richest model leaves
   Eigen::Index rows = 0, used_rows = 0;  // of the training recordings, and of these in the fit
   RowUsage row_usage;
   int blocks = 0;  // independent blocks of rows: cross-validation groups, whose signs are flipped
   double block_length_s = 0.0;
-  std::vector<RoundReport> rounds;
+  std::vector<CandidateScore> scores;  // of every candidate, best gain first
   Unexplained unexplained;
 };
 
@@ -187,6 +179,7 @@ struct BalanceSummary : Assessment {
 };
 
 struct TraceResult : Assessment {
+  InForce in_force;  // what decided
   // Errors are of the simulated angle, rad or m, in place of torques (components/model/shooting).
   bool by_simulation = false;
   std::optional<TooLittle> too_little;  // why nothing was fitted; empty: it was

@@ -66,8 +66,8 @@ Regression MakeRegression(const identify::Design& design, const Likelihood& like
 
 // Coefficients within their physical range (friction does not drive): one that would leave it is
 // held at its bound.
-Eigen::VectorXd SolveWithinRange(const Balance& balance, const actuator::JointModel& model,
-                                 Regression* regression) {
+Eigen::VectorXd SolveWithinRange(const identify::Design& design, const Balance& balance,
+                                 const actuator::JointModel& model, Regression* regression) {
   const Eigen::Index first = balance.fits_scale ? 1 : 0;
   const Eigen::Index p = balance.columns.cols();
   Eigen::VectorXd b = regression->Solve();
@@ -78,11 +78,13 @@ Eigen::VectorXd SolveWithinRange(const Balance& balance, const actuator::JointMo
     for (Eigen::Index i = first; i < p; ++i) {
       const ParameterRef& ref = balance.parameters[static_cast<std::size_t>(i - first)];
       const actuator::Term& term = TermOf(model, ref);
-      const effects::ParameterInfo& info =
-          term.effect->info().linear[static_cast<std::size_t>(ref.linear)];
+      const auto linear = static_cast<std::size_t>(ref.linear);
+      const effects::ParameterInfo& info = term.effect->info().linear[linear];
       char& mark = is_held[static_cast<std::size_t>(i)];
       if (mark != 0 || info.relative_to_drive) continue;
-      const Range range = RangeOnAnyMachine(info);
+      const Range range = term.declared ? RangeOnAnyMachine(info)
+                                        : RangeOfAddition(design, model, *term.effect,
+                                                          actuator::NonlinearValues(term), linear);
       const double bound = std::clamp(scale * b[i], range.lower, range.upper) / scale;
       if (bound == b[i]) continue;
       regression->Hold(i, bound);
@@ -268,8 +270,7 @@ identify::FitResult FitWhitened(const identify::Design& design, const Likelihood
   const UsedRows& used = likelihood.used;
   identify::FitResult out;
   out.model = model;
-  out.keep_scale = likelihood.keep_scale;
-  out.balance = identify::MakeBalance(design, model, likelihood.keep_scale);
+  out.balance = identify::MakeBalance(design, model, likelihood.fits_scale);
   const Eigen::Index p = out.balance.columns.cols();
   if (used.size() < 3 * p || used.blocks.size() < 2) {
     throw identify::TooLittleData("recordings have " + std::to_string(used.size()) +
@@ -277,7 +278,7 @@ identify::FitResult FitWhitened(const identify::Design& design, const Likelihood
                                   " parameters");
   }
   Regression regression = MakeRegression(design, likelihood, model, out.balance);
-  const Eigen::VectorXd b = SolveWithinRange(out.balance, model, &regression);
+  const Eigen::VectorXd b = SolveWithinRange(design, out.balance, model, &regression);
   const Eigen::MatrixXd covariance = Covariance(regression, b, used.blocks).topLeftCorner(p, p);
   out.coefficients = b.head(p);
   // d physical / d coefficients.
@@ -319,7 +320,7 @@ identify::FitResult RefineWhitened(const identify::Design& design, const Likelih
   actuator::JointModel at = model;
   const std::vector<Free> free = FreeShapes(design, model);
   const auto misfit = [&](const actuator::JointModel& trial) {
-    const Balance balance = identify::MakeBalance(design, trial, likelihood.keep_scale);
+    const Balance balance = identify::MakeBalance(design, trial, likelihood.fits_scale);
     const Regression regression = MakeRegression(design, likelihood, trial, balance);
     return regression.Misfit(regression.Solve());
   };
@@ -352,7 +353,7 @@ identify::FitResult RefineWhitened(const identify::Design& design, const Likelih
 std::vector<std::string> ImplausibleNuisances(const identify::Design& design,
                                               const Likelihood& likelihood,
                                               const actuator::JointModel& model) {
-  const Balance balance = identify::MakeBalance(design, model, likelihood.keep_scale);
+  const Balance balance = identify::MakeBalance(design, model, likelihood.fits_scale);
   const Nuisances nuisances = MakeNuisances(design, likelihood, model);
   Regression regression = MakeRegression(design, likelihood, model, balance);
   const Eigen::Index first = balance.columns.cols();

@@ -29,7 +29,7 @@ struct Likelihood {
   // One over the noise's scale at each used row: reversals, impacts and fast motion are noisier
   // than a slow ramp. Empty: the same everywhere.
   Eigen::VectorXd weight;
-  bool keep_scale = false;               // the drive's factor stays at its nominal value
+  std::optional<bool> fits_scale;        // form of the balance (MakeBalance)
   bool predicted_rate = false;           // the drive's rate is that of the predicted one (Design)
   std::vector<std::string> no_nuisance;  // imperfections too large to be one (ImplausibleNuisances)
   std::optional<TimedEffect> event;      // the design's clocks are set by it

@@ -108,9 +108,10 @@ identify::ProcessingOptions Processing() {
           .settle_distance = 0.005};
 }
 
-trace::TraceResult TraceOf(const JointModel& truth, std::uint64_t seed) {
+trace::TraceResult TraceOf(const JointModel& truth, std::uint64_t seed,
+                           const JointModel& declared = Rig()) {
   return trace::CloseLoop({Record(truth, seed), Record(truth, seed + 1)}, {Record(truth, seed + 2)},
-                          Rig(), 0.25, {})
+                          declared, 0.25, {})
       .trace;
 }
 
@@ -180,6 +181,20 @@ TEST(KinematicBalance, WithoutAnEffectNoneIsFoundAndTheOffsetIsFitted) {
   const trace::TraceResult result = TraceOf(Rig(), 20);
   EXPECT_EQ(result.verdict, trace::Verdict::kNone);
   EXPECT_NEAR(result.corrected.Parameter("encoder_offset", "offset"), 0.003, 1e-4);
+}
+
+// What is added to a declared compliance may be negative: their sum may not.
+TEST(KinematicBalance, TeethStifferThanDeclaredAreAComplianceBelowZero) {
+  constexpr double kDeclared_rad_Nm = 6e-4, kTrue_rad_Nm = 1e-5;
+  JointModel softer = Rig();
+  actuator::Term& play = softer.terms[static_cast<std::size_t>(softer.Find("free_play"))];
+  play.linear[1].value = kDeclared_rad_Nm;
+  const trace::TraceResult result = TraceOf(Rig(), 30, softer);
+  ASSERT_EQ(result.effects.size(), 1u);
+  EXPECT_EQ(result.effects.front().name, "gear_compliance");
+  const double sum = kDeclared_rad_Nm + result.corrected.Parameter("gear_compliance", "compliance");
+  EXPECT_GE(sum, 0.0);
+  EXPECT_NEAR(sum, kTrue_rad_Nm, 0.1 * kDeclared_rad_Nm);
 }
 
 TEST(KinematicBalance, WithoutTheMotorsAngleSaysWhyNothingIsSeen) {

@@ -100,24 +100,21 @@ Json HeldOut(const trace::Assessment& result, const std::string& unit) {
 }
 
 Json Rounds(const trace::Assessment& result) {
-  Json out = Json::array();
-  for (const trace::RoundReport& round : result.rounds) {
-    Json candidates = Json::array();
-    for (const trace::CandidateScore& score : round.scores) {
-      candidates.push_back({{"name", score.name},
-                            {"gain", score.gain_share},
-                            {"statistic", score.statistic},
-                            {"accepted", score.accepted},
-                            {"refused", score.refused.rule},
-                            {"value", score.refused.value},
-                            {"limit", score.refused.limit}});
-    }
-    out.push_back({{"train_rms", round.train_rms},
-                   {"held_out_rms", round.held_out_rms},
-                   {"explainable_rms", round.explainable_rms},
-                   {"candidates", std::move(candidates)}});
+  if (result.scores.empty()) return Json::array();
+  Json candidates = Json::array();
+  for (const trace::CandidateScore& score : result.scores) {
+    candidates.push_back({{"name", score.name},
+                          {"gain", score.gain_share},
+                          {"statistic", score.statistic},
+                          {"accepted", score.accepted},
+                          {"refused", score.refused.rule},
+                          {"value", score.refused.value},
+                          {"limit", score.refused.limit}});
   }
-  return out;
+  return Json::array({{{"train_rms", result.before_train.rms},
+                       {"held_out_rms", result.before_held_out.rms},
+                       {"explainable_rms", result.ceiling_rms},
+                       {"candidates", std::move(candidates)}}});
 }
 
 Json Blocks(const trace::Assessment& result) {
@@ -171,8 +168,8 @@ Json Detectable(const trace::TraceResult& trace) {
                      {"shape", std::move(shape)}});
   }
   return {{"power", 0.8},
-          {"p_global", trace::Limit(trace::rules::kGlobalP)},
-          {"explained_share", trace::Limit(trace::rules::kExplainedShare)},
+          {"p_global", trace.in_force.Limit(trace::rules::kGlobalP)},
+          {"explained_share", trace.in_force.Limit(trace::rules::kExplainedShare)},
           {"sizes", std::move(sizes)}};
 }
 
@@ -456,7 +453,9 @@ Json ReportJson(const Report& report) {
   if (report.assessed()) out["p_global"] = trace.p_global ? Json(*trace.p_global) : Json(nullptr);
   out["faults"] = Faults(report.gate.faults);
   if (report.given && report.assessed()) out["given_effects"] = *report.given;
-  if (report.assessed() && !trace::TakenOut().empty()) out["without_rules"] = trace::TakenOut();
+  if (report.assessed() && !trace.in_force.without_rules.empty()) {
+    out["without_rules"] = trace.in_force.without_rules;
+  }
   AddTrace(report, &out);
   if (report.assessed()) {
     out["base_parameters"] = {{"nominal", ModelParameters(trace.nominal)},

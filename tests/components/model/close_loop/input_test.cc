@@ -14,8 +14,8 @@
 #include "components/base/config/config.h"
 #include "components/model/actuator/file/model_file.h"
 #include "components/model/identify/file/processing_file.h"
-#include "components/model/identify/fit.h"
 #include "tests/components/model/close_loop/example_options.h"
+#include "tests/components/model/trace/plain_fit.h"
 #include "tests/support/temporary_folder.h"
 
 namespace sinew::close_loop {
@@ -97,10 +97,7 @@ TEST_F(CloseLoopInput, ASpringAndAJointWithoutInertiaAreFitted) {
   const identify::ProcessingOptions processing =
       identify::Resolve(identify::ReadProcessing(input.model.root, joint.kind), train);
   const identify::Design design(identify::MakeStates(train, joint, processing), processing);
-  const std::vector<Eigen::Index> used = design.rows().UsedRows();
-  const auto half = used.begin() + static_cast<std::ptrdiff_t>(used.size() / 2);
-  const identify::FitResult fit =
-      identify::FitModel(design, joint, {{used.begin(), half}, {half, used.end()}});
+  const identify::FitResult fit = trace::PlainFit(design, joint);
   // The parallel filter rounds the step of dry friction off, which costs a per mille.
   EXPECT_NEAR(fit.model.Parameter("spring", "stiffness"), kStiffness, 0.01);
   EXPECT_NEAR(fit.model.Parameter("spring", "preload"), kStiffness * kRest, 0.01);

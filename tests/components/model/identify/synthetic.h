@@ -49,6 +49,7 @@ struct Recipe {
   std::uint64_t seed = 1;
   double noise_A = 0.02;        // standard deviation of the current's noise
   double noise_memory = 0.0;    // autoregression of the noise, 0: white
+  double load_N = 3.0;          // amplitude of the load cell's force
   double slowness = 1.0;        // of the motion: its frequencies are divided by it
   bool motor_position = false;  // recorded as well
 };
@@ -85,7 +86,7 @@ inline types::Run SyntheticRun(const actuator::JointModel& truth, const Recipe& 
     x.motor_position_rad = truth.constants.gear_ratio * x.position_rad;
     x.motor_velocity_rad_s = truth.constants.gear_ratio * x.velocity_rad_s;
     x.motor_acceleration_rad_s2 = truth.constants.gear_ratio * x.acceleration_rad_s2;
-    x.load_force_N = 3.0 * std::sin(2.0 * M_PI * 0.31 * t + force_phase);
+    x.load_force_N = recipe.load_N * std::sin(2.0 * M_PI * 0.31 * t + force_phase);
     if (i == 0) {
       truth.ResetMemory(x, memory);
     } else {

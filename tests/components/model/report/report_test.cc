@@ -149,7 +149,7 @@ TEST(Report, WhatOnlyTrainingShowsIsReportedWithItsRule) {
   effect.gain_share = 0.62;
   effect.held_out_before = 2.0;
   effect.held_out_after = 2.62;
-  effect.refusal = trace::RefusedBy(trace::rules::kRaises, 1.31);
+  effect.refusal = trace::InForce{}.RefusedBy(trace::rules::kRaises, 1.31);
   report.trace.refuted = {effect};
   EXPECT_EQ(OutcomeWord(report), "training_only");
   EXPECT_THAT(

@@ -18,7 +18,7 @@ types::Run RunWithDrag(const identify::Recipe& recipe, double drag = kQuadratic_
   return identify::SyntheticRun(truth, recipe);
 }
 
-TraceResult TraceHeldOut(const types::Run& held_out_run, bool keep_unconfirmed) {
+TraceResult TraceHeldOut(const types::Run& held_out_run, const TraceOptions& trace = {}) {
   const actuator::JointModel model = identify::SyntheticModel();
   const std::vector<types::Run> train = {
       RunWithDrag({.rate_Hz = 100.0, .seed = 1, .noise_A = 0.05}),
@@ -26,12 +26,12 @@ TraceResult TraceHeldOut(const types::Run& held_out_run, bool keep_unconfirmed) 
   const identify::ProcessingOptions options = identify::FromMotion(train, model, 0.25);
   Design design(identify::MakeStates(train, model, options), options);
   Design held_out(identify::MakeStates({held_out_run}, model, options), options);
-  return TraceByLikelihood(design, held_out, model, {.keep_unconfirmed = keep_unconfirmed});
+  return TraceByLikelihood(design, held_out, model, trace);
 }
 
 TEST(CorrectedModel, HoldsAnEffectThatTheHeldOutRecordingConfirms) {
   const TraceResult result =
-      TraceHeldOut(RunWithDrag({.rate_Hz = 100.0, .seed = 3, .noise_A = 0.05}), false);
+      TraceHeldOut(RunWithDrag({.rate_Hz = 100.0, .seed = 3, .noise_A = 0.05}));
   ASSERT_EQ(result.verdict, Verdict::kEffect);
   ASSERT_EQ(result.effects.size(), 1u);
   const FoundEffect& found = result.effects[0];
@@ -44,11 +44,23 @@ TEST(CorrectedModel, HoldsAnEffectThatTheHeldOutRecordingConfirms) {
   EXPECT_LT(result.after_held_out.rms, result.before_held_out.rms);
 }
 
+// Without a known torque the held-out recording alone does not set the drive's scale: the balance
+// has training's form, or no coefficient of it would mean the same there.
+TEST(CorrectedModel, HoldsAnEffectThatARecordingWithoutTheTrainedLoadConfirms) {
+  const TraceResult result =
+      TraceHeldOut(RunWithDrag({.rate_Hz = 100.0, .seed = 3, .noise_A = 0.05, .load_N = 0.0}));
+  ASSERT_EQ(result.effects.size(), 1u);
+  EXPECT_TRUE(result.corrected_fit.balance.fits_scale);
+  const Confirmation& confirmation = result.effects[0].confirmation;
+  EXPECT_EQ(confirmation.verdict, ConfirmationVerdict::kConfirmed);
+  EXPECT_NEAR(confirmation.slope, 1.0, 0.05);
+}
+
 // The held-out joint has two and a half times the drag: it is there, but not as trained.
 TEST(CorrectedModel, LeavesOutWhatTheHeldOutRecordingDoesNotConfirmUnlessAsked) {
   const types::Run other =
       RunWithDrag({.rate_Hz = 100.0, .seed = 3, .noise_A = 0.05}, 2.5 * kQuadratic_Nm_s2_rad2);
-  const TraceResult result = TraceHeldOut(other, false);
+  const TraceResult result = TraceHeldOut(other);
   EXPECT_EQ(result.verdict, Verdict::kUnexplained) << "nothing is part of the model";
   EXPECT_TRUE(result.effects.empty());
   ASSERT_EQ(result.open.size(), 1u);
@@ -65,7 +77,7 @@ TEST(CorrectedModel, LeavesOutWhatTheHeldOutRecordingDoesNotConfirmUnlessAsked) 
   EXPECT_DOUBLE_EQ(result.after_train.rms, result.before_train.rms);
   EXPECT_DOUBLE_EQ(result.after_held_out.rms, result.before_held_out.rms);
 
-  const TraceResult kept = TraceHeldOut(other, true);
+  const TraceResult kept = TraceHeldOut(other, {.keep_unconfirmed = true});
   ASSERT_EQ(kept.effects.size(), 1u);
   EXPECT_EQ(kept.effects[0].confirmation.verdict, ConfirmationVerdict::kNotConfirmed);
   EXPECT_TRUE(kept.effects[0].in_model());
@@ -73,10 +85,20 @@ TEST(CorrectedModel, LeavesOutWhatTheHeldOutRecordingDoesNotConfirmUnlessAsked) 
   EXPECT_LT(kept.after_train.rms, kept.before_train.rms);
 }
 
+// Two runs of one process: what one is without, the other has.
+TEST(CorrectedModel, IsDecidedByWhatIsInForceInItsOwnRun) {
+  const types::Run held_out = RunWithDrag({.rate_Hz = 100.0, .seed = 3, .noise_A = 0.05});
+  const TraceResult without =
+      TraceHeldOut(held_out, {.in_force = {.without_effects = {"quadratic_viscous"}}});
+  EXPECT_EQ(without.corrected.Find("quadratic_viscous"), -1);
+  EXPECT_TRUE(without.in_force.without_effects.contains("quadratic_viscous"));
+  EXPECT_GE(TraceHeldOut(held_out).corrected.Find("quadratic_viscous"), 0);
+}
+
 // The held-out joint has none of it: the page must not say that nothing was found.
 TEST(CorrectedModel, KeepsWhatWasFoundInTrainingAndRefutedApartFromNothing) {
   const TraceResult result =
-      TraceHeldOut(RunWithDrag({.rate_Hz = 100.0, .seed = 3, .noise_A = 0.05}, 0.0), false);
+      TraceHeldOut(RunWithDrag({.rate_Hz = 100.0, .seed = 3, .noise_A = 0.05}, 0.0));
   EXPECT_TRUE(result.effects.empty()) << result.effects.front().name;
   EXPECT_TRUE(result.open.empty());
   ASSERT_FALSE(result.refuted.empty());

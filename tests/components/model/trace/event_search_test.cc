@@ -121,10 +121,10 @@ TEST(EventSearch, APushShorterThanAPeriodOfTheLowPassIsAskedForWhereNoTeethTouch
   }
   const std::shared_ptr<const effects::Effect> bump =
       effects::MakeEffect("external_bump", identify::SyntheticModel().constants);
-  const std::optional<FoundEvent> free = FindPush(design, bump, 0.0, false, residual);
+  const std::optional<FoundEvent> free = FindPush(design, bump, 0.0, false, residual, {});
   ASSERT_TRUE(free.has_value());
   EXPECT_LT(free->event.length_s, period_s);
-  const std::optional<FoundEvent> teeth = FindPush(design, bump, 0.0, true, residual);
+  const std::optional<FoundEvent> teeth = FindPush(design, bump, 0.0, true, residual, {});
   EXPECT_TRUE(!teeth || teeth->event.length_s > 1.4 * period_s);
   EXPECT_TRUE(!teeth || teeth->explained < free->explained);
 }

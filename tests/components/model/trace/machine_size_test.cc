@@ -82,13 +82,14 @@ TEST(MachineSize, TenTimesAsStrongAMachineHasTenTimesAsLargeTorquesAndTheSameRat
 
 TEST(CompareBands, WhatComesFromRatesCountsNoMoreThanBehindTheOtherLowPass) {
   Recorded wide = Record(1.0), narrow = Record(1.0, 0.6);
-  const LikelihoodFit base = EstimateLikelihood(&wide.design, wide.model);
-  const Problem alone = MakeProblem(wide.design, base.likelihood, wide.model, base.fit);
-  Problem problem = MakeProblem(wide.design, base.likelihood, wide.model, base.fit);
+  const LikelihoodFit base = EstimateLikelihood(&wide.design, wide.model, {});
+  const Problem alone = MakeProblem(wide.design, base.likelihood, wide.model, base.fit, {});
+  Problem problem = MakeProblem(wide.design, base.likelihood, wide.model, base.fit, {});
   CompareBands(&narrow.design, wide.model, &problem);
   Recorded again = Record(1.0, 0.6);
-  const LikelihoodFit there_fit = EstimateLikelihood(&again.design, again.model);
-  const Problem there = MakeProblem(again.design, there_fit.likelihood, again.model, there_fit.fit);
+  const LikelihoodFit there_fit = EstimateLikelihood(&again.design, again.model, {});
+  const Problem there =
+      MakeProblem(again.design, there_fit.likelihood, again.model, there_fit.fit, {});
   std::map<std::string, double> best;
   for (std::size_t h = 0; h < there.hypotheses().size(); ++h) {
     double& net = best[there.hypotheses()[h].name];

@@ -2,13 +2,10 @@
 
 #include <gtest/gtest.h>
 
-#include <cstdlib>
 #include <fstream>
 #include <set>
 #include <sstream>
-#include <stdexcept>
 #include <string>
-#include <vector>
 
 namespace sinew::trace {
 namespace {
@@ -34,16 +31,11 @@ TEST(TraceRules, ThereAreAtMostTwentyThreeEachWithANameAndASource) {
 }
 
 TEST(TraceRules, OneThatIsTakenOutDecidesNothing) {
-  EXPECT_EQ(Limit(rules::kScore), rules::kScore.limit);
-  EXPECT_EXIT(
-      {
-        TakeOut("score");
-        const bool alone = TakenOut() == std::vector<std::string>{"score"};
-        const bool others = Limit(rules::kRaises) == rules::kRaises.limit;
-        std::exit(alone && others && Limit(rules::kScore) == rules::kScore.off ? 0 : 1);
-      },
-      ::testing::ExitedWithCode(0), "");
-  EXPECT_THROW(TakeOut("scores"), std::invalid_argument);
+  EXPECT_EQ(InForce{}.Limit(rules::kScore), rules::kScore.limit);
+  const InForce without{.without_rules = {"score"}};
+  EXPECT_EQ(without.Limit(rules::kScore), rules::kScore.off);
+  EXPECT_EQ(without.Limit(rules::kRaises), rules::kRaises.limit);
+  EXPECT_EQ(without.RefusedBy(rules::kScore, 0.1).limit, rules::kScore.off);
 }
 
 TEST(TraceRules, EachHasAnotherLimitWhenItIsTakenOut) {

@@ -44,12 +44,12 @@ TEST(Detectable, BothRulesAreAsked) {
   // misfit with the effect in it.
   constexpr double kNever = std::numeric_limits<double>::infinity();
   constexpr double kOccam = 9.0;
-  const double gain = NeededGain(h, 1e5, kOccam, 3.0, kNever);
+  const double gain = NeededGain(h, 1e5, kOccam, 3.0, kNever, {});
   EXPECT_NEAR(gain - kOccam, share * (1e5 + gain), 1e-6 * gain);
   // A short one by the p of the whole search.
-  EXPECT_DOUBLE_EQ(NeededGain(h, 100.0, kOccam, 5.0, kNever), GainOfStatistic(5.0, h));
+  EXPECT_DOUBLE_EQ(NeededGain(h, 100.0, kOccam, 5.0, kNever, {}), GainOfStatistic(5.0, h));
   // Where noise is coloured, less of the misfit is enough.
-  EXPECT_DOUBLE_EQ(NeededGain(h, 1e5, kOccam, 3.0, 500.0), 500.0);
+  EXPECT_DOUBLE_EQ(NeededGain(h, 1e5, kOccam, 3.0, 500.0, {}), 500.0);
 }
 
 // Share of draws in which k columns, one of them with an effect of that size beside something else,
@@ -102,7 +102,7 @@ TraceResult TraceDrag(double drag, std::uint64_t seed) {
 }
 
 bool FindsDrag(const TraceResult& result) {
-  for (const CandidateScore& score : result.rounds.front().scores) {
+  for (const CandidateScore& score : result.scores) {
     if (score.name == "quadratic_viscous") {
       return score.accepted || (score.refused.rule != rules::kGlobalP.id &&
                                 score.refused.rule != rules::kEvidence.id &&
@@ -144,7 +144,7 @@ TEST(Detectable, WhatIsFoundDoesNotHideAndWhatOnlyResemblesItMay) {
   }
   // Twenty standard deviations, all of them the drag's: beside it each is in one of the lists.
   int resembling = 0;
-  for (const CandidateScore& score : result.rounds.front().scores) {
+  for (const CandidateScore& score : result.scores) {
     if (score.statistic < 20.0 || score.accepted) continue;
     ++resembling;
     EXPECT_EQ(hidden.count(score.name) + assessed.count(score.name), 1u) << score.name;

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "tests/components/model/identify/synthetic.h"
+#include "tests/components/model/trace/plain_fit.h"
 
 namespace sinew::trace {
 namespace {
@@ -16,10 +17,9 @@ using identify::SyntheticRun;
 std::vector<ParameterShift> Shifts(const actuator::JointModel& truth,
                                    const actuator::JointModel& model) {
   auto design = MakeDesign({SyntheticRun(truth, {.noise_A = 0.02})}, model);
-  const auto blocks = identify::MakeBlocks(design.rows(), 1.0, 0.1, 10);
-  const auto fit = identify::FitModel(design, model, blocks);
+  const identify::FitResult fit = PlainFit(design, model);
   design.PredictDrive(fit.model);
-  return FindShifts(design, model, fit, MakeCandidates(design, fit.model).candidates);
+  return FindShifts(design, model, fit, MakeCandidates(design, fit.model, {}).candidates);
 }
 
 TEST(Shift, AParameterInsideItsToleranceIsNoShift) {
