@@ -478,7 +478,9 @@ TEST(Tree, PackagesAreExactlyWhatTheBuildAndTheProgramsNeed) {
                                      "python3-canmatrix",
                                      "python3-numpy",
                                      "python3-zstandard",
-                                     "python3-lz4"};
+                                     "python3-lz4",
+                                     "python3-jsonschema",
+                                     "python3-yaml"};
   // Part of every compiler installation, or only for measurements.
   const std::set<std::string> implied = {"libc6-dev", "libbenchmark-dev"};
   const std::set<std::string> listed = Packages();
