@@ -180,9 +180,6 @@ std::string EffectSentences(const trace::TraceResult& trace) {
   if (!unconfirmed.empty()) {
     out += " The held-out recordings do not confirm " + Join(unconfirmed, " and ") + ".";
   }
-  if (trace.effects.front().weak_evidence) {
-    out += " The evidence is weak: the recordings have fewer than six independent blocks.";
-  }
   return out;
 }
 

@@ -150,8 +150,8 @@ class Closer {
           excluded.contains(hypothesis.name)) {
         continue;
       }
-      EffectSet set = trace::FitSet(problem_->evidence, problem_->hypotheses(), {h});
-      if (!trace::Physical(problem_->evidence, problem_->hypotheses(), set)) continue;
+      EffectSet set = trace::FitSet(problem_->choices(), {h});
+      if (!trace::Physical(problem_->choices(), set)) continue;
       EffectSet& known = best[hypothesis.name];
       if (known.empty() || set.net > known.net) known = std::move(set);
     }

@@ -370,7 +370,7 @@ trace::Problem ProblemWithNoise(const Regression& regression, const Recordings& 
   for (int pass = 1; pass <= kPasses; ++pass) {
     const trace::Problem problem = MakeProblem(regression, *noise);
     const trace::EffectSet set =
-        trace::SearchSets(problem.evidence, problem.hypotheses(), 1).best.back();
+        trace::SearchSets(problem.choices(), 1).best.back();
     const Eigen::VectorXd rest =
         regression.target - regression.columns(Eigen::all, set.columns) * set.c -
         regression.declared * problem.evidence.Declared(set.columns, set.c);

@@ -150,8 +150,7 @@ class Closer {
       effect.place = PlaceOf(subject);
       effect.posterior = found.posteriors[k];
       effect.p = found.p_global;
-      const EffectSet without =
-          trace::WithoutMember(problem.evidence, problem.hypotheses(), found.chosen, k);
+      const EffectSet without = trace::WithoutMember(problem.choices(), found.chosen, k);
       effect.gain_share = (found.chosen.net - without.net) / problem.evidence.misfit();
       if (subject.kind == Subject::Kind::kPayload) {
         effect.payload = PayloadOf(fit, at, layout_.groups[subject.index]);

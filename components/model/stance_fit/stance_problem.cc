@@ -427,7 +427,7 @@ ChannelNoise EstimateNoise(const Regression& regression, int longest_order) {
   for (int pass = 1; pass <= kPasses; ++pass) {
     const trace::Problem problem = MakeProblem(regression, noise);
     const trace::EffectSet set =
-        trace::SearchSets(problem.evidence, problem.hypotheses(), trace::kLargestSet).best.back();
+        trace::SearchSets(problem.choices(), trace::kLargestSet).best.back();
     const Eigen::VectorXd rest =
         regression.bank.target - problem.Part(set) -
         regression.bank.declared * problem.evidence.Declared(set.columns, set.c);

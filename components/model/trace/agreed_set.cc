@@ -5,27 +5,26 @@
 
 namespace sinew::trace {
 
-EffectSet FitAgreedSet(const Evidence& evidence, const std::vector<Hypothesis>& hypotheses,
-                       const std::set<std::string>& effects) {
+EffectSet FitAgreedSet(const Choices& choices, const std::set<std::string>& effects) {
   EffectSet out;
   for (const std::string& name : effects) {
     EffectSet best;
     const bool searched =
-        std::any_of(hypotheses.begin(), hypotheses.end(), [&](const Hypothesis& h) {
+        std::any_of(choices.hypotheses.begin(), choices.hypotheses.end(), [&](const Hypothesis& h) {
           return h.physical() && h.name == name && h.asked == Asked::kSearched;
         });
-    for (std::size_t h = 0; h < hypotheses.size(); ++h) {
-      if (!hypotheses[h].physical() || hypotheses[h].name != name) continue;
-      if (searched && hypotheses[h].asked != Asked::kSearched) continue;
+    for (std::size_t h = 0; h < choices.hypotheses.size(); ++h) {
+      if (!choices.hypotheses[h].physical() || choices.hypotheses[h].name != name) continue;
+      if (searched && choices.hypotheses[h].asked != Asked::kSearched) continue;
       std::vector<std::size_t> members = out.members;
       members.push_back(h);
-      EffectSet joined = FitSet(evidence, hypotheses, std::move(members));
-      if (!Physical(evidence, hypotheses, joined)) continue;
+      EffectSet joined = FitSet(choices, std::move(members));
+      if (!Physical(choices, joined)) continue;
       if (best.empty() || joined.net > best.net) best = std::move(joined);
     }
     if (!best.empty()) out = std::move(best);
   }
-  return WithShapesBeside(evidence, hypotheses, std::move(out));
+  return WithShapesBeside(choices, std::move(out));
 }
 
 std::set<std::string> Unasked(const Problem& problem,
@@ -41,7 +40,7 @@ std::set<std::string> Unasked(const Problem& problem,
 void ChooseAgreed(const Problem& problem, std::set<std::string> agreed,
                   const std::set<std::string>& refuted, SetAssessment* assessed) {
   for (const std::string& name : refuted) agreed.erase(name);
-  assessed->chosen = FitAgreedSet(problem.evidence, problem.hypotheses(), agreed);
+  assessed->chosen = FitAgreedSet(problem.choices(), agreed);
   assessed->posteriors.clear();  // the rotations have them
   for (const std::size_t member : assessed->chosen.members) {
     assessed->posteriors.push_back({{problem.hypotheses()[member].name, 1.0}});

@@ -12,8 +12,7 @@ namespace sinew::trace {
 
 // The hypothesis of each effect, jointly the ones that gain most. Effects without a physical
 // hypothesis are left out.
-EffectSet FitAgreedSet(const Evidence& evidence, const std::vector<Hypothesis>& hypotheses,
-                       const std::set<std::string>& effects);
+EffectSet FitAgreedSet(const Choices& choices, const std::set<std::string>& effects);
 
 // Effects of the problem that were not agreed on; without an agreement: none.
 std::set<std::string> Unasked(const Problem& problem,

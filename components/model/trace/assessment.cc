@@ -24,8 +24,7 @@ class Assessor {
         misfit_(problem.evidence.misfit()) {}
 
   SetAssessment Run(std::size_t largest_set) {
-    const SetSearch found =
-        SearchSets(problem_.evidence, problem_.hypotheses(), largest_set, refuted_);
+    const SetSearch found = SearchSets(problem_.choices(), largest_set, refuted_);
     out_.p_global = std::min(1.0, bootstrap_.searches * GlobalP(found));
     const bool open = out_.p_global <= in_force_.Limit(rules::kGlobalP);
     if (open) Grow(found);
@@ -65,13 +64,13 @@ class Assessor {
   }
 
   void CompareCurves() {
-    const EffectSet with = WithBestCurve(problem_.evidence, problem_.hypotheses(), out_.chosen);
+    const EffectSet with = WithBestCurve(problem_.choices(), out_.chosen);
     if (with.empty()) return;
     const double per_row =
         (with.net - out_.chosen.net) / (2.0 * static_cast<double>(problem_.y.size()));
     if (!(per_row > in_force_.Limit(rules::kCurveEvidence))) return;
     const double statistic = Statistic(with.gain - out_.chosen.gain, with.members.back());
-    if (POfCurve(out_.chosen, with, statistic) > in_force_.Limit(rules::kMemberP)) return;
+    if (POfCurve(out_.chosen, with, statistic) > in_force_.Limit(rules::kGlobalP)) return;
     NoteUnexplained(with);
   }
 
@@ -87,7 +86,7 @@ class Assessor {
 
   // Does it explain so much more, of the misfit, of the variance, or of values that were measured?
   bool Adequate(const EffectSet& without, const EffectSet& with, const Hypothesis& added) const {
-    return with.net - without.net > LeastShare(added, in_force_) * misfit_ ||
+    return with.net - without.net > in_force_.Limit(RuleOfShare(added)) * misfit_ ||
            problem_.VarianceShare(with) - problem_.VarianceShare(without) >
                LeastVariance(added, in_force_) ||
            (problem_.plain_precision.size() > 0 &&
@@ -99,7 +98,7 @@ class Assessor {
   }
 
   EffectSet Without(const EffectSet& set, std::size_t k) const {
-    return WithoutMember(problem_.evidence, problem_.hypotheses(), set, k);
+    return WithoutMember(problem_.choices(), set, k);
   }
 
   // Of the largest statistic of the whole search, an effect's or a curve's.
@@ -171,8 +170,8 @@ class Assessor {
                            return hypotheses[other].name == name;
                          }) > 1;
       if (twice && h != set.members[member]) continue;
-      EffectSet other = FitSet(problem_.evidence, hypotheses, std::move(members));
-      if (h != set.members[member] && !Physical(problem_.evidence, hypotheses, other)) continue;
+      EffectSet other = FitSet(problem_.choices(), std::move(members));
+      if (h != set.members[member] && !Physical(problem_.choices(), other)) continue;
       const auto at = out.find(name);
       if (at != out.end() && at->second.net >= other.net) continue;
       out[name] = std::move(other);
@@ -243,13 +242,13 @@ class Assessor {
     if (single.net <= in_force_.Limit(rules::kEvidence)) {
       return in_force_.RefusedBy(rules::kEvidence, single.net);
     }
-    if (single.net <= LeastShare(h, in_force_) * misfit_) {
+    if (single.net <= in_force_.Limit(RuleOfShare(h)) * misfit_) {
       return in_force_.RefusedBy(RuleOfShare(h), single.net / misfit_);
     }
     // Beside the set, of which it may repeat a part.
     std::vector<std::size_t> both = out_.chosen.members;
     both.push_back(single.members.front());
-    const EffectSet beside = FitSet(problem_.evidence, problem_.hypotheses(), std::move(both));
+    const EffectSet beside = FitSet(problem_.choices(), std::move(both));
     const double more = beside.net - out_.chosen.net;
     return in_force_.RefusedBy(rules::kShapeMisfit,
                                out_.chosen.net > 0.0 ? more / out_.chosen.net : 1.0);

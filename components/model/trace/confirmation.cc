@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "components/model/identify/statistics.h"
+#include "components/model/trace/problem.h"
 #include "components/model/trace/rules.h"
 
 namespace sinew::trace {
@@ -44,16 +45,19 @@ Confirmation ConfirmSlope(const Eigen::Ref<const Eigen::VectorXd>& left_over,
   return out;
 }
 
-Confirmation Confirm(const identify::Design& held_out, const Likelihood& likelihood,
-                     const identify::FitResult& without, const identify::FitResult& with) {
-  const UsedRows& used = likelihood.used;
-  const auto left = [&](const identify::FitResult& fit) -> Eigen::VectorXd {
-    const identify::Balance balance =
-        identify::MakeBalance(held_out, fit.model, fit.balance.fits_scale);
-    return balance.target(used.rows) - used.Of(balance.columns) * fit.coefficients;
+Confirmation ConfirmSlope(const identify::Design& held_out, const identify::FitResult& without,
+                          const identify::FitResult& with) {
+  Likelihood likelihood;
+  likelihood.used = MakeUsedRows(held_out, kFewestRowsPerBlock);
+  const auto left = [&](const identify::FitResult& fit) {
+    identify::FitResult there = fit;
+    there.balance = identify::MakeBalance(held_out, fit.model, fit.balance.fits_scale);
+    return LeftOver(there, likelihood.used);
   };
   const Eigen::VectorXd before = left(without), after = left(with);
-  return ConfirmSlope(Whiten(likelihood, before), Whiten(likelihood, before - after), used.blocks);
+  LearnNoise(held_out, after, with.model.balance, &likelihood);
+  return ConfirmSlope(Whiten(likelihood, before), Whiten(likelihood, before - after),
+                      likelihood.used.blocks);
 }
 
 }  // namespace sinew::trace

@@ -31,14 +31,14 @@ struct Confirmation {
   int blocks = 0;
 };
 
-// without, with: fitted to the training recordings, of the same declared terms; the drive of
-// held_out must be predicted by `with`.
-Confirmation Confirm(const identify::Design& held_out, const Likelihood& likelihood,
-                     const identify::FitResult& without, const identify::FitResult& with);
-
-// The same from whitened left-over and predicted change.
+// From whitened left-over and predicted change.
 Confirmation ConfirmSlope(const Eigen::Ref<const Eigen::VectorXd>& left_over,
                           const Eigen::Ref<const Eigen::VectorXd>& change,
                           const std::vector<identify::Block>& blocks);
+
+// without, with: fitted to the training recordings, of the same declared terms; the drive of
+// held_out must be predicted by `with`.
+Confirmation ConfirmSlope(const identify::Design& held_out, const identify::FitResult& without,
+                          const identify::FitResult& with);
 
 }  // namespace sinew::trace

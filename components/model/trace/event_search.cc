@@ -6,6 +6,7 @@
 #include "components/model/trace/change_search.h"
 #include "components/model/trace/nuisances.h"
 #include "components/model/trace/push_search.h"
+#include "components/model/trace/whitened_fit.h"
 
 namespace sinew::trace {
 
@@ -18,8 +19,7 @@ std::vector<double> TimedEffect::Psi() const {
 std::optional<TimedEffect> FindTimedEffect(const identify::Design& design,
                                            const Likelihood& likelihood,
                                            const actuator::JointModel& declared,
-                                           const identify::FitResult& fit, std::uint64_t seed,
-                                           const InForce& in_force) {
+                                           const identify::FitResult& fit, std::uint64_t seed) {
   if (declared.balance != effects::Balance::kMotion || design.states().locked ||
       design.options().state_cutoff_Hz <= 0.0) {
     return std::nullopt;
@@ -28,11 +28,11 @@ std::optional<TimedEffect> FindTimedEffect(const identify::Design& design,
   const double scale = fit.balance.fits_scale ? fit.balance.Scale(fit.coefficients) : 1.0;
   const double dry_friction = DryFriction(fit.model);
   std::optional<FoundEvent> best;
-  for (const Candidate& candidate : EventCandidates(declared, in_force)) {
+  for (const Candidate& candidate : EventCandidates(declared, likelihood.in_force)) {
     const bool passes = candidate.effect->info().nonlinear.size() > 1;
     std::optional<FoundEvent> found =
         passes ? FindPush(design, candidate.effect, dry_friction / scale,
-                          declared.backlash_rad > 0.0, residual, in_force)
+                          declared.backlash_rad > 0.0, residual, likelihood.in_force)
                : FindChange(design, candidate.effect, likelihood, fit, residual, seed);
     if (found && (!best || found->explained > best->explained)) best = std::move(found);
   }

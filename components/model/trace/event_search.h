@@ -23,7 +23,6 @@
 #include "components/model/effects/effect.h"
 #include "components/model/identify/design.h"
 #include "components/model/identify/fit.h"
-#include "components/model/trace/rules.h"
 
 namespace sinew::trace {
 
@@ -50,8 +49,7 @@ struct FoundEvent {
 std::optional<TimedEffect> FindTimedEffect(const identify::Design& design,
                                            const Likelihood& likelihood,
                                            const actuator::JointModel& declared,
-                                           const identify::FitResult& fit, std::uint64_t seed,
-                                           const InForce& in_force);
+                                           const identify::FitResult& fit, std::uint64_t seed);
 
 // The same in other recordings, its size known: where it explains most of `residual`, in units of
 // torque, every row (residual + theta * phi is noise), or nowhere. Per recording.

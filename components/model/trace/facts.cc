@@ -142,7 +142,7 @@ Confirmation Facts::AsConfirmation() const {
 }
 
 double CurveBeside(const Problem& problem, const EffectSet& set) {
-  const EffectSet with = WithBestCurve(problem.evidence, problem.hypotheses(), set);
+  const EffectSet with = WithBestCurve(problem.choices(), set);
   if (with.empty() || !(set.net > 0.0)) return 0.0;
   return std::max(0.0, (with.net - set.net) / set.net);
 }
@@ -190,7 +190,7 @@ Facts FactsOf(const Problem& problem, const EffectSet& set, std::size_t k,
               const Likelihood& train) {
   Facts out;
   const Hypothesis& member = problem.hypotheses()[set.members[k]];
-  const EffectSet without = WithoutMember(problem.evidence, problem.hypotheses(), set, k);
+  const EffectSet without = WithoutMember(problem.choices(), set, k);
   if (member.effect->info().event) return out;
 
   const HeldOutBalance balance(problem, held_out, declared_fit, train);

@@ -254,21 +254,16 @@ const Rule& RuleOfShare(const Hypothesis& hypothesis) {
                                                        : rules::kExplainedShare;
 }
 
-double LeastShare(const Hypothesis& hypothesis, const InForce& in_force) {
-  return in_force.Limit(RuleOfShare(hypothesis));
-}
-
 double LeastVariance(const Hypothesis& hypothesis, const InForce& in_force) {
   const double more = RuleOfShare(hypothesis).limit / rules::kExplainedShare.limit;
   return more * in_force.Limit(rules::kVarianceShare);
 }
 
 Bank MakeBank(const identify::Design& design, const Likelihood& likelihood,
-              const actuator::JointModel& model, const identify::Balance& balance,
-              const InForce& in_force) {
+              const actuator::JointModel& model, const identify::Balance& balance) {
   const UsedRows& used = likelihood.used;
   Bank bank;
-  bank.in_force = in_force;
+  bank.in_force = likelihood.in_force;
   bank.target = balance.target(used.rows);
   bank.parameters = balance.columns.cols();
   bank.columns.resize(used.size(), 0);
@@ -281,7 +276,7 @@ Bank MakeBank(const identify::Design& design, const Likelihood& likelihood,
 
   Builder builder(design, likelihood, model, balance, &bank);
   const bool spectrum = design.states().measured.contains("motor_position_rad");
-  CandidateSet set = MakeCandidates(design, model, in_force);
+  CandidateSet set = MakeCandidates(design, model, likelihood.in_force);
   for (const Candidate& candidate : set.candidates) {
     if (spectrum && candidate.name() == "cogging") continue;  // AddOrders
     builder.AddEffect(candidate);

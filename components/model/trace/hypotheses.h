@@ -62,7 +62,6 @@ bool ShowsPeriods(double order, double turns);
 // Share of the misfit that it has to explain: rule explained_share, or curve_share where it is
 // identified from rates and not steady.
 const Rule& RuleOfShare(const Hypothesis& hypothesis);
-double LeastShare(const Hypothesis& hypothesis, const InForce& in_force);
 // The same of the residual's variance (rule variance_share), as much more there.
 double LeastVariance(const Hypothesis& hypothesis, const InForce& in_force);
 
@@ -80,8 +79,7 @@ struct Bank {
 
 // The drive of `design` must be predicted. model: as declared; balance: made for it.
 Bank MakeBank(const identify::Design& design, const Likelihood& likelihood,
-              const actuator::JointModel& model, const identify::Balance& balance,
-              const InForce& in_force);
+              const actuator::JointModel& model, const identify::Balance& balance);
 
 // Adds what an order spectrum of the whitened residual shows: lines of cogging and of the gear as
 // one hypothesis each, other orders as free lines.

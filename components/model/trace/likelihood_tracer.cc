@@ -23,8 +23,6 @@ namespace {
 using identify::Design;
 using identify::FitResult;
 
-// Fewer independent blocks than this are weak evidence (Cameron, Miller 2015, section VI).
-constexpr std::size_t kConvincingBlocks = 6;
 // Every further set that is tried on the held-out recordings is another chance to be confirmed by
 // accident.
 constexpr int kMostAssessments = 3;
@@ -201,7 +199,7 @@ class Correction {
     const EffectSet all = set_;
     std::optional<std::size_t> out;
     for (std::size_t k = 0; k < all.members.size() && !out && all.members.size() > 1; ++k) {
-      set_ = WithoutMember(problem_.evidence, problem_.hypotheses(), all, k);
+      set_ = WithoutMember(problem_.choices(), all, k);
       corrected_ = base_.fit;
       PredictDrive(base_.fit.model);
       Fit();
@@ -214,7 +212,7 @@ class Correction {
   // Takes a member out of the set; the model is that of the declared terms until the next Fit.
   void Leave(std::size_t member) {
     posteriors_.erase(posteriors_.begin() + static_cast<std::ptrdiff_t>(member));
-    set_ = WithoutMember(problem_.evidence, problem_.hypotheses(), set_, member);
+    set_ = WithoutMember(problem_.choices(), set_, member);
     corrected_ = base_.fit;
     PredictDrive(base_.fit.model);
   }
@@ -270,10 +268,9 @@ class Correction {
       found.fitted.push_back(actuator::PhysicalTerm(corrected_.model, term));
     }
     found.posterior = posteriors_[k];
-    const double without_it = WithoutMember(problem_.evidence, problem_.hypotheses(), set_, k).net;
+    const double without_it = WithoutMember(problem_.choices(), set_, k).net;
     found.gain_share = (set_.net - without_it) / problem_.evidence.misfit();
     found.p = assessed_.p_global;
-    found.weak_evidence = base_.likelihood.used.blocks.size() < kConvincingBlocks;
     const FitResult without = FitWhitened(train_, likelihood_, Without(corrected_.model, k));
     found.train_before = identify::ErrorOf(train_, without.model, declared_).rms;
     found.train_after = identify::ErrorOf(train_, corrected_.model, declared_).rms;
@@ -282,8 +279,7 @@ class Correction {
     Facts facts = facts_[k];
     if (problem_.hypotheses()[set_.members[k]].effect->info().event) {
       // It began elsewhere there (LocateEvent).
-      facts.SetSlope(
-          trace::Confirm(held_out_, LikelihoodOf(held_out_, corrected_, 0), without, corrected_));
+      facts.SetSlope(ConfirmSlope(held_out_, without, corrected_));
     }
     Score(facts, without.model, &found);
     return found;
@@ -390,7 +386,7 @@ TraceResult TraceByLikelihood(Design& train, Design& held_out, const actuator::J
   held_out.UsePredictedRate(base.likelihood.predicted_rate);
   held_out.PredictDrive(base.fit.model);
   progress("columns", 0.4);
-  Problem problem = MakeProblem(train, base.likelihood, model, base.fit, options.in_force);
+  Problem problem = MakeProblem(train, base.likelihood, model, base.fit);
   std::optional<Likelihood> other;
   if (other_band != nullptr) other = CompareBands(other_band, model, &problem);
   TraceResult result;

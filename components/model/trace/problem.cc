@@ -145,9 +145,8 @@ Eigen::VectorXd Problem::LeftPlain(const Eigen::VectorXd& rest) const {
 }
 
 Problem MakeProblem(const identify::Design& design, const Likelihood& likelihood,
-                    const actuator::JointModel& declared, const identify::FitResult& fit,
-                    const InForce& in_force) {
-  Bank bank = MakeBank(design, likelihood, declared, fit.balance, in_force);
+                    const actuator::JointModel& declared, const identify::FitResult& fit) {
+  Bank bank = MakeBank(design, likelihood, declared, fit.balance);
   Eigen::MatrixXd X = Whiten(likelihood, bank.declared);
   Eigen::VectorXd y = Whiten(likelihood, bank.target);
   const Evidence alone(X, bank.prior, Eigen::MatrixXd(X.rows(), 0), Eigen::VectorXd(), y);
@@ -190,6 +189,7 @@ LikelihoodFit EstimateLikelihood(identify::Design* design, const actuator::Joint
                                  const InForce& in_force) {
   LikelihoodFit out;
   Likelihood& likelihood = out.likelihood;
+  likelihood.in_force = in_force;
   likelihood.used = MakeUsedRows(*design, kFewestRowsPerBlock);
   const Eigen::VectorXd nominal =
       identify::ErrorOf(*design, declared).residual(likelihood.used.rows);
@@ -210,8 +210,7 @@ LikelihoodFit EstimateLikelihood(identify::Design* design, const actuator::Joint
 
   // What begins at an instant must be known before the noise is: it would count as loud noise.
   if (!design->held()) {
-    likelihood.event =
-        FindTimedEffect(*design, likelihood, declared, out.fit, kEventSeed, in_force);
+    likelihood.event = FindTimedEffect(*design, likelihood, declared, out.fit, kEventSeed);
   }
   if (likelihood.event) SetClocksBy(*likelihood.event, likelihood.event->start_s, design);
 
@@ -224,7 +223,7 @@ LikelihoodFit EstimateLikelihood(identify::Design* design, const actuator::Joint
       LearnNoise(*design, WithoutEvent(*design, likelihood, residual), declared.balance,
                  &likelihood);
     }
-    const Problem problem = MakeProblem(*design, likelihood, declared, out.fit, in_force);
+    const Problem problem = MakeProblem(*design, likelihood, declared, out.fit);
     const Eigen::VectorXd rest = Richest(problem);
     out.richest_rms = problem.scale * identify::Rms(rest);
     LearnNoise(*design, rest, declared.balance, &likelihood);
@@ -242,11 +241,8 @@ LikelihoodFit EstimateLikelihood(identify::Design* design, const actuator::Joint
 Likelihood CompareBands(identify::Design* other, const actuator::JointModel& declared,
                         Problem* problem) {
   const LikelihoodFit base = EstimateLikelihood(other, declared, problem->in_force());
-  const Problem there =
-      MakeProblem(*other, base.likelihood, declared, base.fit, problem->in_force());
-  const auto fit = [](const Problem& at, std::size_t h) {
-    return FitSet(at.evidence, at.hypotheses(), {h});
-  };
+  const Problem there = MakeProblem(*other, base.likelihood, declared, base.fit);
+  const auto fit = [](const Problem& at, std::size_t h) { return FitSet(at.choices(), {h}); };
   // By name, at its best shape.
   std::map<std::string, EffectSet> best;
   for (std::size_t h = 0; h < there.hypotheses().size(); ++h) {
@@ -273,16 +269,6 @@ Likelihood CompareBands(identify::Design* other, const actuator::JointModel& dec
     if (!here.steady) here.charge += std::max(0.0, single.net - std::max(0.0, other_single.net));
   }
   return base.likelihood;
-}
-
-Likelihood LikelihoodOf(const identify::Design& design, const identify::FitResult& fit, int order) {
-  Likelihood out;
-  out.used = MakeUsedRows(design, kFewestRowsPerBlock);
-  const identify::Balance balance =
-      identify::MakeBalance(design, fit.model, fit.balance.fits_scale);
-  const Eigen::VectorXd rest = (balance.target - balance.columns * fit.coefficients)(out.used.rows);
-  SetNoise(rest, ScaleWindow(design), order, &out);
-  return out;
 }
 
 }  // namespace sinew::trace

@@ -25,6 +25,7 @@ struct Problem {
   double measured_rms = 0.0, measured_peak = 0.0;
 
   const std::vector<Hypothesis>& hypotheses() const { return bank.hypotheses; }
+  Choices choices() const { return {evidence, bank.hypotheses}; }
   const InForce& in_force() const { return bank.in_force; }
   // Whitened residual with a set in the model.
   Eigen::VectorXd Left(const EffectSet& set) const;
@@ -56,8 +57,7 @@ Eigen::VectorXd Richest(const Problem& problem);
 
 // fit: of the declared terms; the design's drive must be predicted by it.
 Problem MakeProblem(const identify::Design& design, const Likelihood& likelihood,
-                    const actuator::JointModel& declared, const identify::FitResult& fit,
-                    const InForce& in_force);
+                    const actuator::JointModel& declared, const identify::FitResult& fit);
 
 // Rows and noise of a balance, and the declared terms fitted with them.
 struct LikelihoodFit {
@@ -77,8 +77,5 @@ LikelihoodFit EstimateLikelihood(identify::Design* design, const actuator::Joint
 // recordings. Returns its rows and noise.
 Likelihood CompareBands(identify::Design* other, const actuator::JointModel& declared,
                         Problem* problem);
-
-// A residual of other recordings as the noise of theirs.
-Likelihood LikelihoodOf(const identify::Design& design, const identify::FitResult& fit, int order);
 
 }  // namespace sinew::trace

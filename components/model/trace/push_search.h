@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "components/model/trace/event_search.h"
+#include "components/model/trace/rules.h"
 
 namespace sinew::trace {
 

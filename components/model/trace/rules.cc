@@ -9,10 +9,10 @@ std::span<const Rule> AllRules() {
   static constexpr std::array kAll = {
       rules::kBlocks,         rules::kRows,          rules::kHeldOutBlocks, rules::kGlobalP,
       rules::kExplainedShare, rules::kVarianceShare, rules::kPriorPenalty,  rules::kShapeMisfit,
-      rules::kMemberP,        rules::kCurveEvidence, rules::kCurveShare,    rules::kRange,
-      rules::kDetectable,     rules::kAbsorbed,      rules::kEvidence,      rules::kScore,
-      rules::kOpen,           rules::kBeyondDrive,   rules::kInterval,      rules::kRaises,
-      rules::kRotations,      rules::kEventPeak,     rules::kEventAlone};
+      rules::kCurveEvidence,  rules::kCurveShare,    rules::kRange,         rules::kDetectable,
+      rules::kAbsorbed,       rules::kEvidence,      rules::kScore,         rules::kOpen,
+      rules::kBeyondDrive,    rules::kInterval,      rules::kRaises,        rules::kRotations,
+      rules::kEventPeak,      rules::kEventAlone};
   return kAll;
 }
 

@@ -33,9 +33,11 @@ inline constexpr Rule kRows = {
 inline constexpr Rule kHeldOutBlocks = {
     "held_out_blocks", "independent blocks of the held-out recordings", 4.0, 0.0,
     "fewer give no interval of the slope: Student's t with 2 degrees of freedom is 4.3"};
-inline constexpr Rule kGlobalP = {"p_global",
-                                  "p of the largest statistic of the whole search (null_test.h)",
-                                  0.01, 1.0, "one alarm in a hundred recordings without an effect"};
+inline constexpr Rule kGlobalP = {
+    "p_global",
+    "p of the largest statistic of the whole search, and of a free curve "
+    "beside the set (null_test.h)",
+    0.01, 1.0, "one alarm in a hundred recordings without an effect"};
 inline constexpr Rule kExplainedShare = {
     "explained_share", "net gain of a set, share of the refitted model's misfit", 0.015, 0.0,
     "provisional: on rigs 31-90 (rig_bank) 9 effects with 1.5 to 2 % were right, none wrong; "
@@ -58,8 +60,6 @@ inline constexpr Rule kShapeMisfit = {
     "net gain of a further effect, share of the set's before it; mean loss of a true name "
     "(posterior.h)",
     0.10, 0.0, "twice the margin of a class (bench/rigs): what an approximate shape leaves"};
-inline constexpr Rule kMemberP = {"p_member", "p of a free curve beside the set", 0.01, 1.0,
-                                  "as p_global"};
 inline constexpr Rule kCurveEvidence = {
     "curve_evidence", "marginal likelihood of a free curve beside the set, nats a row", 0.006, 0.0,
     "provisional, rigs 100300-100327 (rig_bank): at most 0.0032 in 56 plain recordings, 0.0095 and "

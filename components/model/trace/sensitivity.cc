@@ -94,7 +94,7 @@ double VarianceSize(double share, double variance_per_power, double other) {
 double NeededGain(const Hypothesis& hypothesis, double misfit, double occam, double statistic,
                   double by_variance, const InForce& in_force) {
   // The effect is part of the misfit that its share is taken of.
-  const double share = LeastShare(hypothesis, in_force);
+  const double share = in_force.Limit(RuleOfShare(hypothesis));
   const double by_share = (share * misfit + occam + hypothesis.charge) / (1.0 - share);
   return std::max(std::min(by_share, by_variance), GainOfStatistic(statistic, hypothesis));
 }

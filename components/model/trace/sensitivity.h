@@ -14,7 +14,7 @@ namespace sinew::trace {
 
 // Misfit that a hypothesis has to take away before two rules of the search accept it alone:
 // p_global (`statistic`: the least one that reaches its limit, null_test.h) and what it has to
-// explain, of the misfit (LeastShare of hypotheses.h) or, whichever is less, of the variance.
+// explain, of the misfit (RuleOfShare of hypotheses.h) or, whichever is less, of the variance.
 // misfit: of the declared terms, without the effect; occam: of its columns (Evidence); by_variance:
 // misfit that goes with the variance (LeastVariance).
 double NeededGain(const Hypothesis& hypothesis, double misfit, double occam, double statistic,

@@ -13,17 +13,16 @@ namespace {
 constexpr std::size_t kLeadingFamilies = 12;
 constexpr std::size_t kLeadingPairs = 8;
 
-bool Joins(const std::vector<Hypothesis>& hypotheses, const EffectSet& set, std::size_t next) {
+bool Joins(const Choices& choices, const EffectSet& set, std::size_t next) {
   return std::none_of(set.members.begin(), set.members.end(), [&](std::size_t member) {
-    return hypotheses[member].family == hypotheses[next].family;
+    return choices.hypotheses[member].family == choices.hypotheses[next].family;
   });
 }
 
-EffectSet With(const Evidence& evidence, const std::vector<Hypothesis>& hypotheses,
-               const EffectSet& set, std::size_t next) {
+EffectSet With(const Choices& choices, const EffectSet& set, std::size_t next) {
   std::vector<std::size_t> members = set.members;
   members.push_back(next);
-  return FitSet(evidence, hypotheses, std::move(members));
+  return FitSet(choices, std::move(members));
 }
 
 void SortByNet(std::vector<EffectSet>* sets) {
@@ -33,34 +32,32 @@ void SortByNet(std::vector<EffectSet>* sets) {
 
 }  // namespace
 
-EffectSet FitSet(const Evidence& evidence, const std::vector<Hypothesis>& hypotheses,
-                 std::vector<std::size_t> members) {
+EffectSet FitSet(const Choices& choices, std::vector<std::size_t> members) {
   EffectSet out;
   double charge = 0.0;
   for (const std::size_t member : members) {
-    const Hypothesis& h = hypotheses[member];
+    const Hypothesis& h = choices.hypotheses[member];
     out.columns.insert(out.columns.end(), h.columns.begin(), h.columns.end());
     charge += h.charge;
   }
   out.members = std::move(members);
   if (out.columns.empty()) return out;
-  out.c = evidence.Solve(out.columns);
-  out.gain = evidence.Gain(out.columns);
-  out.net = out.gain - evidence.Occam(out.columns) - charge;
+  out.c = choices.evidence.Solve(out.columns);
+  out.gain = choices.evidence.Gain(out.columns);
+  out.net = out.gain - choices.evidence.Occam(out.columns) - charge;
   return out;
 }
 
-bool Physical(const Evidence& evidence, const std::vector<Hypothesis>& hypotheses,
-              const EffectSet& set) {
+bool Physical(const Choices& choices, const EffectSet& set) {
   Eigen::MatrixXd covariance;
   Eigen::Index k = 0;
   for (const std::size_t member : set.members) {
-    const Hypothesis& h = hypotheses[member];
+    const Hypothesis& h = choices.hypotheses[member];
     for (std::size_t i = 0; i < h.columns.size(); ++i, ++k) {
       const double value = set.c[k];
       if (value >= h.lower[i] && value <= h.upper[i]) continue;
       if (h.columns.size() < 2) return false;
-      if (covariance.size() == 0) covariance = evidence.Covariance(set.columns);
+      if (covariance.size() == 0) covariance = choices.evidence.Covariance(set.columns);
       const double off = 2.0 * std::sqrt(std::max(0.0, covariance(k, k)));
       if (value < h.lower[i] - off || value > h.upper[i] + off) return false;
     }
@@ -85,23 +82,24 @@ double TimesOutOfRange(const std::vector<Hypothesis>& hypotheses, const EffectSe
   return out;
 }
 
-SetSearch SearchSets(const Evidence& evidence, const std::vector<Hypothesis>& hypotheses,
-                     std::size_t largest, const std::set<std::string>& refuted) {
+SetSearch SearchSets(const Choices& choices, std::size_t largest,
+                     const std::set<std::string>& refuted) {
   const auto asked = [&](std::size_t h) {
-    return hypotheses[h].asked == Asked::kSearched && !refuted.contains(hypotheses[h].name);
+    return choices.hypotheses[h].asked == Asked::kSearched &&
+           !refuted.contains(choices.hypotheses[h].name);
   };
   SetSearch out;
   out.best.emplace_back();
   std::map<int, EffectSet> by_family, out_of_range;
-  for (std::size_t h = 0; h < hypotheses.size(); ++h) {
+  for (std::size_t h = 0; h < choices.hypotheses.size(); ++h) {
     if (!asked(h)) continue;
-    EffectSet single = FitSet(evidence, hypotheses, {h});
-    if (!hypotheses[h].physical()) {
+    EffectSet single = FitSet(choices, {h});
+    if (!choices.hypotheses[h].physical()) {
       if (out.curve.empty() || single.net > out.curve.net) out.curve = std::move(single);
       continue;
     }
-    const bool physical = Physical(evidence, hypotheses, single);
-    EffectSet& best = (physical ? by_family : out_of_range)[hypotheses[h].family];
+    const bool physical = Physical(choices, single);
+    EffectSet& best = (physical ? by_family : out_of_range)[choices.hypotheses[h].family];
     if (best.empty() || single.net > best.net) best = std::move(single);
   }
   for (auto& [family, single] : out_of_range) {
@@ -119,10 +117,10 @@ SetSearch SearchSets(const Evidence& evidence, const std::vector<Hypothesis>& hy
   for (std::size_t size = 2; size <= largest; ++size) {
     std::vector<EffectSet> next;
     for (const EffectSet& set : leading) {
-      for (std::size_t h = 0; h < hypotheses.size(); ++h) {
-        if (!hypotheses[h].physical() || !asked(h) || !Joins(hypotheses, set, h)) continue;
-        EffectSet joined = With(evidence, hypotheses, set, h);
-        if (Physical(evidence, hypotheses, joined)) next.push_back(std::move(joined));
+      for (std::size_t h = 0; h < choices.hypotheses.size(); ++h) {
+        if (!choices.hypotheses[h].physical() || !asked(h) || !Joins(choices, set, h)) continue;
+        EffectSet joined = With(choices, set, h);
+        if (Physical(choices, joined)) next.push_back(std::move(joined));
       }
     }
     if (next.empty()) break;
@@ -132,7 +130,8 @@ SetSearch SearchSets(const Evidence& evidence, const std::vector<Hypothesis>& hy
     std::vector<std::vector<int>> seen;
     for (EffectSet& set : next) {
       std::vector<int> families;
-      for (const std::size_t member : set.members) families.push_back(hypotheses[member].family);
+      for (const std::size_t member : set.members)
+        families.push_back(choices.hypotheses[member].family);
       std::sort(families.begin(), families.end());
       if (std::find(seen.begin(), seen.end(), families) != seen.end()) continue;
       seen.push_back(std::move(families));
@@ -140,40 +139,37 @@ SetSearch SearchSets(const Evidence& evidence, const std::vector<Hypothesis>& hy
       if (distinct.size() >= kLeadingPairs) break;
     }
     // The first member's setting was the best alone: it is profiled again beside the others.
-    EffectSet best = WithShapesBeside(evidence, hypotheses, distinct.front());
+    EffectSet best = WithShapesBeside(choices, distinct.front());
     out.best.push_back(std::move(best));
     leading = std::move(distinct);
   }
   return out;
 }
 
-EffectSet WithoutMember(const Evidence& evidence, const std::vector<Hypothesis>& hypotheses,
-                        const EffectSet& set, std::size_t k) {
+EffectSet WithoutMember(const Choices& choices, const EffectSet& set, std::size_t k) {
   std::vector<std::size_t> others = set.members;
   others.erase(others.begin() + static_cast<std::ptrdiff_t>(k));
-  return FitSet(evidence, hypotheses, std::move(others));
+  return FitSet(choices, std::move(others));
 }
 
-EffectSet WithShapesBeside(const Evidence& evidence, const std::vector<Hypothesis>& hypotheses,
-                           EffectSet set) {
+EffectSet WithShapesBeside(const Choices& choices, EffectSet set) {
   for (std::size_t k = 0; k < set.members.size(); ++k) {
-    for (std::size_t h = 0; h < hypotheses.size(); ++h) {
-      if (hypotheses[h].family != hypotheses[set.members[k]].family) continue;
+    for (std::size_t h = 0; h < choices.hypotheses.size(); ++h) {
+      if (choices.hypotheses[h].family != choices.hypotheses[set.members[k]].family) continue;
       std::vector<std::size_t> members = set.members;
       members[k] = h;
-      EffectSet other = FitSet(evidence, hypotheses, std::move(members));
-      if (other.net > set.net && Physical(evidence, hypotheses, other)) set = std::move(other);
+      EffectSet other = FitSet(choices, std::move(members));
+      if (other.net > set.net && Physical(choices, other)) set = std::move(other);
     }
   }
   return set;
 }
 
-EffectSet WithBestCurve(const Evidence& evidence, const std::vector<Hypothesis>& hypotheses,
-                        const EffectSet& set) {
+EffectSet WithBestCurve(const Choices& choices, const EffectSet& set) {
   EffectSet best;
-  for (std::size_t h = 0; h < hypotheses.size(); ++h) {
-    if (hypotheses[h].physical()) continue;
-    EffectSet joined = With(evidence, hypotheses, set, h);
+  for (std::size_t h = 0; h < choices.hypotheses.size(); ++h) {
+    if (choices.hypotheses[h].physical()) continue;
+    EffectSet joined = With(choices, set, h);
     if (best.empty() || joined.net > best.net) best = std::move(joined);
   }
   return best;

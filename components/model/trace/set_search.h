@@ -17,6 +17,12 @@
 
 namespace sinew::trace {
 
+// What sets are made of.
+struct Choices {
+  const Evidence& evidence;
+  const std::vector<Hypothesis>& hypotheses;
+};
+
 struct EffectSet {
   std::vector<std::size_t> members;  // of the bank's hypotheses
   Columns columns;
@@ -28,17 +34,14 @@ struct EffectSet {
 };
 
 // Joint fit of some hypotheses.
-EffectSet FitSet(const Evidence& evidence, const std::vector<Hypothesis>& hypotheses,
-                 std::vector<std::size_t> members);
+EffectSet FitSet(const Choices& choices, std::vector<std::size_t> members);
 
 // The set refitted without its k-th member.
-EffectSet WithoutMember(const Evidence& evidence, const std::vector<Hypothesis>& hypotheses,
-                        const EffectSet& set, std::size_t k);
+EffectSet WithoutMember(const Choices& choices, const EffectSet& set, std::size_t k);
 
 // Inside the physical range? Several parameters of one effect may leave it by two standard errors:
 // one of them may hardly be excited.
-bool Physical(const Evidence& evidence, const std::vector<Hypothesis>& hypotheses,
-              const EffectSet& set);
+bool Physical(const Choices& choices, const EffectSet& set);
 
 // The largest coefficient over the bound that it exceeds; infinite where the bound is zero, 1 where
 // all are inside.
@@ -56,16 +59,14 @@ struct SetSearch {
 };
 
 // largest: of a set, at most 3. refuted: names of effects that are excluded.
-SetSearch SearchSets(const Evidence& evidence, const std::vector<Hypothesis>& hypotheses,
-                     std::size_t largest, const std::set<std::string>& refuted = {});
+SetSearch SearchSets(const Choices& choices, std::size_t largest,
+                     const std::set<std::string>& refuted = {});
 
 // The set with the shape of every member chosen anew beside the others, each among the settings of
 // its own family.
-EffectSet WithShapesBeside(const Evidence& evidence, const std::vector<Hypothesis>& hypotheses,
-                           EffectSet set);
+EffectSet WithShapesBeside(const Choices& choices, EffectSet set);
 
 // The free curve that gains most beside a set; the set with it.
-EffectSet WithBestCurve(const Evidence& evidence, const std::vector<Hypothesis>& hypotheses,
-                        const EffectSet& set);
+EffectSet WithBestCurve(const Choices& choices, const EffectSet& set);
 
 }  // namespace sinew::trace

@@ -63,11 +63,10 @@ struct FoundEffect {
   Posterior posterior;      // of its name and of others in its place
   double gain_share = 0.0;  // of the misfit, beside the others
   double p = 1.0;
-  bool weak_evidence = false;  // fewer than six blocks
-  Confirmation confirmation;   // on the held-out recordings
-  Refusal refusal;             // what keeps it out of the model
-  double curve = 0.0;          // what the best free curve gains beside the set (facts.h)
-  double score = 0.0;          // probability of its name by its facts (facts.h)
+  Confirmation confirmation;  // on the held-out recordings
+  Refusal refusal;            // what keeps it out of the model
+  double curve = 0.0;         // what the best free curve gains beside the set (facts.h)
+  double score = 0.0;         // probability of its name by its facts (facts.h)
   // Errors before and after it, rms at the output.
   double train_before = 0.0, train_after = 0.0, held_out_before = 0.0, held_out_after = 0.0;
 

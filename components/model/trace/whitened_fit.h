@@ -10,6 +10,7 @@
 #include "components/model/trace/evidence.h"
 #include "components/model/trace/noise_model.h"
 #include "components/model/trace/nuisances.h"
+#include "components/model/trace/rules.h"
 #include "components/model/trace/used_rows.h"
 
 namespace sinew::trace {
@@ -24,6 +25,7 @@ inline constexpr double kPlausibleShare = 0.5;
 
 // Likelihood of a balance: rows, noise, and how the declared terms are fitted.
 struct Likelihood {
+  InForce in_force;
   UsedRows used;
   NoiseModel noise;
   // One over the noise's scale at each used row: reversals, impacts and fast motion are noisier

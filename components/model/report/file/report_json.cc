@@ -236,7 +236,6 @@ Json EffectJson(const trace::TraceResult& trace, const trace::FoundEffect& effec
         {"slope", effect.confirmation.slope},
         {"interval_95", {effect.confirmation.lower, effect.confirmation.upper}},
         {"blocks", effect.confirmation.blocks}}},
-      {"weak_evidence", effect.weak_evidence},
       {"train", {{"unit", unit}, {"before", effect.train_before}, {"after", effect.train_after}}},
       {"held_out",
        {{"unit", unit}, {"before", effect.held_out_before}, {"after", effect.held_out_after}}}};

@@ -83,22 +83,21 @@ TEST(MachineSize, TenTimesAsStrongAMachineHasTenTimesAsLargeTorquesAndTheSameRat
 TEST(CompareBands, WhatComesFromRatesCountsNoMoreThanBehindTheOtherLowPass) {
   Recorded wide = Record(1.0), narrow = Record(1.0, 0.6);
   const LikelihoodFit base = EstimateLikelihood(&wide.design, wide.model, {});
-  const Problem alone = MakeProblem(wide.design, base.likelihood, wide.model, base.fit, {});
-  Problem problem = MakeProblem(wide.design, base.likelihood, wide.model, base.fit, {});
+  const Problem alone = MakeProblem(wide.design, base.likelihood, wide.model, base.fit);
+  Problem problem = MakeProblem(wide.design, base.likelihood, wide.model, base.fit);
   CompareBands(&narrow.design, wide.model, &problem);
   Recorded again = Record(1.0, 0.6);
   const LikelihoodFit there_fit = EstimateLikelihood(&again.design, again.model, {});
-  const Problem there =
-      MakeProblem(again.design, there_fit.likelihood, again.model, there_fit.fit, {});
+  const Problem there = MakeProblem(again.design, there_fit.likelihood, again.model, there_fit.fit);
   std::map<std::string, double> best;
   for (std::size_t h = 0; h < there.hypotheses().size(); ++h) {
     double& net = best[there.hypotheses()[h].name];
-    net = std::max(net, FitSet(there.evidence, there.hypotheses(), {h}).net);
+    net = std::max(net, FitSet(there.choices(), {h}).net);
   }
   int rates = 0;
   for (std::size_t h = 0; h < problem.hypotheses().size(); ++h) {
-    const double net = FitSet(problem.evidence, problem.hypotheses(), {h}).net;
-    const double before = FitSet(alone.evidence, alone.hypotheses(), {h}).net;
+    const double net = FitSet(problem.choices(), {h}).net;
+    const double before = FitSet(alone.choices(), {h}).net;
     const Hypothesis& hypothesis = problem.hypotheses()[h];
     if (!hypothesis.follows_rates()) {
       EXPECT_EQ(net, before) << hypothesis.name;

@@ -8,12 +8,17 @@ namespace sinew::trace {
 
 inline identify::FitResult PlainFit(const identify::Design& design,
                                     const actuator::JointModel& model) {
+  constexpr int kPasses = 5;  // priors weigh against what the pass before left
   Likelihood likelihood;
   likelihood.used = MakeUsedRows(design, 10);
-  const Eigen::VectorXd nominal = identify::ErrorOf(design, model).residual(likelihood.used.rows);
-  likelihood = Unweighted(std::move(likelihood), nominal);
-  const identify::FitResult first = FitWhitened(design, likelihood, model);
-  return FitWhitened(design, Unweighted(likelihood, LeftOver(first, likelihood.used)), model);
+  identify::FitResult fit;
+  Eigen::VectorXd left = identify::ErrorOf(design, model).residual(likelihood.used.rows);
+  for (int pass = 0; pass < kPasses; ++pass) {
+    likelihood = Unweighted(std::move(likelihood), left);
+    fit = FitWhitened(design, likelihood, model);
+    left = LeftOver(fit, likelihood.used);
+  }
+  return fit;
 }
 
 }  // namespace sinew::trace

@@ -62,22 +62,22 @@ Eigen::VectorXd Sizes(std::initializer_list<double> values) {
 TEST(SetSearch, WhatIsOnlyARivalIsNotSearchedFor) {
   Searched scene(Sizes({0.5, 0.0, 0.2, 0.0, 0.0, 0.0}));
   scene.hypotheses[0].asked = Asked::kRival;
-  const SetSearch found = SearchSets(scene.evidence(), scene.hypotheses, 2, {});
+  const SetSearch found = SearchSets({scene.evidence(), scene.hypotheses}, 2, {});
   for (const EffectSet& single : found.singles) EXPECT_NE(single.members.front(), 0u);
   for (const EffectSet& best : found.best) {
     EXPECT_EQ(std::count(best.members.begin(), best.members.end(), 0u), 0);
   }
   // A set that is given holds it where there is no other of its name.
-  EXPECT_EQ(FitAgreedSet(scene.evidence(), scene.hypotheses, {"h0"}).members,
+  EXPECT_EQ(FitAgreedSet({scene.evidence(), scene.hypotheses}, {"h0"}).members,
             std::vector<std::size_t>{0});
   scene.hypotheses[2].name = "h0";
-  EXPECT_EQ(FitAgreedSet(scene.evidence(), scene.hypotheses, {"h0"}).members,
+  EXPECT_EQ(FitAgreedSet({scene.evidence(), scene.hypotheses}, {"h0"}).members,
             std::vector<std::size_t>{2});
 }
 
 TEST(SetSearch, TheOneEffectThatIsThereIsTheBestSingle) {
   const Searched scene(Sizes({0, 0, 0.3, 0, 0, 0}));
-  const SetSearch found = SearchSets(scene.evidence(), scene.hypotheses, 3);
+  const SetSearch found = SearchSets({scene.evidence(), scene.hypotheses}, 3);
   ASSERT_GE(found.best.size(), 2u);
   EXPECT_EQ(found.best[1].members, std::vector<std::size_t>{2});
   EXPECT_NEAR(found.best[1].c[0], 0.3, 0.06);
@@ -86,7 +86,7 @@ TEST(SetSearch, TheOneEffectThatIsThereIsTheBestSingle) {
 
 TEST(SetSearch, ThePairThatIsThereIsTheBestPair) {
   const Searched scene(Sizes({0.3, 0, 0, 0, 0.2, 0}));
-  const SetSearch found = SearchSets(scene.evidence(), scene.hypotheses, 3);
+  const SetSearch found = SearchSets({scene.evidence(), scene.hypotheses}, 3);
   std::vector<std::size_t> pair = found.best[2].members;
   std::sort(pair.begin(), pair.end());
   EXPECT_EQ(pair, (std::vector<std::size_t>{0, 4}));
@@ -97,14 +97,14 @@ TEST(AgreedSet, HoldsEveryNamedEffectAtTheShapeThatGainsMost) {
   scene.hypotheses[0].name = scene.hypotheses[2].name = "two shapes";
   scene.hypotheses[4].name = "one shape";
   const EffectSet set =
-      FitAgreedSet(scene.evidence(), scene.hypotheses, {"one shape", "two shapes", "unknown"});
+      FitAgreedSet({scene.evidence(), scene.hypotheses}, {"one shape", "two shapes", "unknown"});
   EXPECT_EQ(set.members, (std::vector<std::size_t>{4, 0}));
-  EXPECT_TRUE(FitAgreedSet(scene.evidence(), scene.hypotheses, {}).empty());
+  EXPECT_TRUE(FitAgreedSet({scene.evidence(), scene.hypotheses}, {}).empty());
 }
 
 TEST(SetSearch, AnEffectOfImpossibleSignIsNoSet) {
   const Searched scene(Sizes({0, -0.5, 0, 0, 0, 0}));
-  const SetSearch found = SearchSets(scene.evidence(), scene.hypotheses, 1);
+  const SetSearch found = SearchSets({scene.evidence(), scene.hypotheses}, 1);
   for (const EffectSet& single : found.singles) {
     EXPECT_NE(single.members.front(), 1u);
   }
@@ -112,7 +112,7 @@ TEST(SetSearch, AnEffectOfImpossibleSignIsNoSet) {
 
 TEST(SetSearch, SettingsOfOneEffectAreNeverInOneSet) {
   const Searched scene(Sizes({0, 0, 0, 0.4, 0.4, 0}));
-  const SetSearch found = SearchSets(scene.evidence(), scene.hypotheses, 3);
+  const SetSearch found = SearchSets({scene.evidence(), scene.hypotheses}, 3);
   for (const EffectSet& set : found.best) {
     int of_family = 0;
     for (const std::size_t member : set.members) of_family += member == 3 || member == 4 ? 1 : 0;
@@ -123,9 +123,9 @@ TEST(SetSearch, SettingsOfOneEffectAreNeverInOneSet) {
 TEST(SetSearch, ACurveIsFoundAloneAndBesideASet) {
   const Searched scene(Sizes({0.3, 0, 0, 0, 0, 0.4}));
   const Evidence evidence = scene.evidence();
-  const SetSearch found = SearchSets(evidence, scene.hypotheses, 1);
+  const SetSearch found = SearchSets({evidence, scene.hypotheses}, 1);
   EXPECT_EQ(found.curve.members, std::vector<std::size_t>{5});
-  EXPECT_EQ(WithBestCurve(evidence, scene.hypotheses, found.best[1]).members,
+  EXPECT_EQ(WithBestCurve({evidence, scene.hypotheses}, found.best[1]).members,
             (std::vector<std::size_t>{0, 5}));
 }
 
@@ -143,7 +143,7 @@ double PGlobal(const Searched& scene, unsigned seed) {
   EffectSet loudest;
   double statistic = -1e300;
   for (std::size_t h = 0; h < scene.hypotheses.size(); ++h) {
-    const EffectSet single = FitSet(evidence, scene.hypotheses, {h});
+    const EffectSet single = FitSet({evidence, scene.hypotheses}, {h});
     const double own = GainStatistic(single.gain, scene.hypotheses[h]);
     if (own <= statistic) continue;
     statistic = own;
@@ -188,14 +188,14 @@ TEST(NullTest, TheLeastStatisticOfALimitReachesItAndNoSmallerOne) {
 TEST(NullTest, WhatIsGivenIsNoNews) {
   const Searched scene(Sizes({0, 0, 0.5, 0, 0, 0}));
   const Evidence evidence = scene.evidence();
-  const EffectSet set = FitSet(evidence, scene.hypotheses, {2});
+  const EffectSet set = FitSet({evidence, scene.hypotheses}, {2});
   const Eigen::VectorXd noise =
       scene.y - scene.X * evidence.Declared(set.columns, set.c) - scene.Z.col(2) * set.c[0];
   const NullTest test(scene.X, scene.Z, noise, evidence, scene.hypotheses, {2}, BlocksOfFifty(),
                       199, 1);
   double next = -1e300;
   for (const std::size_t h : {0u, 1u, 3u, 4u, 5u}) {
-    const EffectSet both = FitSet(evidence, scene.hypotheses, {2, h});
+    const EffectSet both = FitSet({evidence, scene.hypotheses}, {2, h});
     next = std::max(next, GainStatistic(both.gain - set.gain, scene.hypotheses[h]));
   }
   EXPECT_GT(test.P(next), 0.02);
