@@ -369,8 +369,7 @@ trace::Problem ProblemWithNoise(const Regression& regression, const Recordings& 
   *noise = NoiseOf(regression, recordings, regression.target, false);
   for (int pass = 1; pass <= kPasses; ++pass) {
     const trace::Problem problem = MakeProblem(regression, *noise);
-    const trace::EffectSet set =
-        trace::SearchSets(problem.choices(), 1).best.back();
+    const trace::EffectSet set = trace::SearchSets(problem.choices(), 1).best.back();
     const Eigen::VectorXd rest =
         regression.target - regression.columns(Eigen::all, set.columns) * set.c -
         regression.declared * problem.evidence.Declared(set.columns, set.c);

@@ -15,8 +15,9 @@ using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
 TEST(FaultText, SaysCauseValueLimitAndWhatToDo) {
-  EXPECT_THAT(FaultText({.cause = FaultCause::kCommandMissing, .value = 62.4, .limit = 60.0}),
-              StartsWith("joint_command missing for 62.4 ms, limit 60 ms: is the controller alive"));
+  EXPECT_THAT(
+      FaultText({.cause = FaultCause::kCommandMissing, .value = 62.4, .limit = 60.0}),
+      StartsWith("joint_command missing for 62.4 ms, limit 60 ms: is the controller alive"));
   EXPECT_THAT(FaultText({.cause = FaultCause::kCommandJoints, .value = 12.0, .limit = 1.0}),
               StartsWith("joint_command names 12 joints, expected 1 joints: the controller is"));
   EXPECT_THAT(FaultText({.cause = FaultCause::kCommandNotFinite, .joint = 2}),
