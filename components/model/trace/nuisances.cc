@@ -28,6 +28,19 @@ constexpr double kLeastLag_s = 0.3e-3, kLagSamples = 0.03;
 // Every contact yields a little before it slides: over some counts of the encoder.
 constexpr double kFewCounts = 8.0;
 
+// Teeth of a declared compliance twist by a torque that is known as well as the drive's scale.
+double TwistError(const actuator::JointModel& model) {
+  const int play = model.Find("free_play", effects::Balance::kKinematic);
+  if (play < 0) return 0.0;
+  double scale = 0.0;
+  for (const actuator::Term& term : model.terms) {
+    const EffectInfo& info = term.effect->info();
+    if (info.role != effects::Role::kDrive || info.balance != effects::Balance::kMotion) continue;
+    if (!term.linear.front().fixed) scale = actuator::RelativeSpread(term.linear.front());
+  }
+  return scale * std::abs(model.terms[static_cast<std::size_t>(play)].linear.back().value);
+}
+
 double Spread(const identify::Design& design, const actuator::JointModel& model,
               const EffectInfo& info, const Eigen::VectorXd& column) {
   const double period_s = 1.0 / design.states().rate_Hz;
@@ -48,8 +61,9 @@ double Spread(const identify::Design& design, const actuator::JointModel& model,
       const double counts = model.constants.encoder_counts_per_turn;
       const double rms = std::sqrt(column.squaredNorm() /
                                    std::max<double>(1.0, static_cast<double>(column.size())));
-      return counts > 0.0 && rms > 0.0 ? kGivingCounts * 2.0 * std::numbers::pi / counts / rms
-                                       : 0.0;
+      const double rounding =
+          counts > 0.0 && rms > 0.0 ? kGivingCounts * 2.0 * std::numbers::pi / counts / rms : 0.0;
+      return std::hypot(rounding, TwistError(model));
     }
     default:
       return 0.0;

@@ -3,12 +3,15 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 #include <string>
 
 #include "components/base/types/control_mode.h"
 #include "components/model/trace/close_loop.h"
+#include "components/model/trace/nuisances.h"
+#include "components/model/trace/whitened_fit.h"
 #include "sim/plant/single_joint.h"
 
 namespace sinew::plant {
@@ -195,6 +198,35 @@ TEST(KinematicBalance, TeethStifferThanDeclaredAreAComplianceBelowZero) {
   const double sum = kDeclared_rad_Nm + result.corrected.Parameter("gear_compliance", "compliance");
   EXPECT_GE(sum, 0.0);
   EXPECT_NEAR(sum, kTrue_rad_Nm, 0.1 * kDeclared_rad_Nm);
+}
+
+// The torque that twists the teeth is scaled as the drive is: what that makes of a declared
+// compliance is an imperfection and no gear of another compliance.
+TEST(KinematicBalance, ADeclaredComplianceIsAsUncertainAsTheDrivesScale) {
+  constexpr double kCompliance_rad_Nm = 6e-4;
+  const types::Run run = Record(Rig(), 40, 20.0);
+  const auto spread = [&](const actuator::ParameterValue& drive) {
+    JointModel model = Rig();
+    model.terms.front().linear[0] = drive;
+    model.terms[static_cast<std::size_t>(model.Find("free_play"))].linear[1].value =
+        kCompliance_rad_Nm;
+    identify::StateSet states = identify::MakeKinematicStates({run}, model, Processing());
+    const identify::ProcessingOptions options = identify::Unfiltered(Processing(), states.rate_Hz);
+    const identify::Design design(std::move(states), options);
+    model.balance = Balance::kKinematic;
+    trace::Likelihood likelihood;
+    likelihood.used = trace::MakeUsedRows(design, 20);
+    const trace::Nuisances nuisances = trace::MakeNuisances(design, likelihood, model);
+    const auto at = std::find(nuisances.names.begin(), nuisances.names.end(), "gear_compliance");
+    return nuisances.spread[at - nuisances.names.begin()];
+  };
+  actuator::ParameterValue drive = Rig().terms.front().linear[0];
+  const double exact = spread(drive);
+  drive.fixed = false;
+  drive.tolerance = 0.15;
+  const double error = actuator::RelativeSpread(drive) * kCompliance_rad_Nm;
+  ASSERT_GT(error, 0.0);
+  EXPECT_NEAR(spread(drive), std::hypot(exact, error), 0.02 * error);
 }
 
 TEST(KinematicBalance, WithoutTheMotorsAngleSaysWhyNothingIsSeen) {
