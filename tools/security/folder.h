@@ -32,7 +32,7 @@ struct Settings {
 };
 
 inline constexpr char kSettingsSchema[] = "sinew-security/1";
-void Describe(config::Fields& fields, Settings& settings);
+void Describe(config::Fields& f, Settings& c);
 
 // What the folder of a certificate says of it.
 struct MemberFile {
@@ -40,7 +40,7 @@ struct MemberFile {
   Settings settings;
 };
 inline constexpr char kMemberSchema[] = "sinew-security-member/1";
-void Describe(config::Fields& fields, MemberFile& file);
+void Describe(config::Fields& f, MemberFile& c);
 
 struct Days {
   int authority = 7300, certificate = 1825;

@@ -19,6 +19,7 @@ std::string Text(double value) {
 template <class T, class Format>
 std::string ListText(const std::vector<T>& values, Format format) {
   std::vector<std::string> texts;
+  texts.reserve(values.size());
   for (const T& value : values) texts.push_back(format(value));
   return values.empty() ? "" : "[" + types::Joined(texts) + "]";
 }

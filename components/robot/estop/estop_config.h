@@ -37,7 +37,7 @@ struct Block {
   std::string socket_mode = "0660";          // kSocketMode
   std::vector<std::string> required;
 };
-void Describe(config::Fields& fields, Block& block);
+void Describe(config::Fields& f, Block& c);
 
 // Throws UsageError: hardware without a latch, and what a Section refuses.
 Config LoadConfig(const config::Section& section, const std::string& name, int domain_id,

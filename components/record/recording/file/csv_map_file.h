@@ -11,7 +11,7 @@ namespace sinew::recording {
 
 inline constexpr char kSchema[] = "sinew-csv-map/1";
 
-void Describe(config::Fields& fields, CsvMap& map);
+void Describe(config::Fields& f, CsvMap& c);
 
 // Throws UsageError with file, line, key and what was expected.
 CsvMap LoadCsvMap(const std::filesystem::path& path);
