@@ -40,7 +40,7 @@ struct ViewFile {
   int port = kDefaultPort;
   std::vector<std::string> signals;
 };
-void Describe(config::Fields& fields, ViewFile& file);
+void Describe(config::Fields& f, ViewFile& c);
 
 // What the file adds to options that were not given. Throws UsageError.
 ViewOptions WithConfiguration(ViewOptions options, const std::filesystem::path& file);

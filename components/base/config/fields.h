@@ -6,7 +6,7 @@
 //
 // names key (with its unit), range, default (what the member holds) and a line of help. Reading,
 // Fields takes the values from a Section, with its one-line errors; describing, it adds them to a
-// Shape, of which schema.h makes JSON schemas and the tables of the documents, and leaves the
+// Shape, of which tools/schema makes JSON schemas and the tables of the documents, and leaves the
 // members as they are. A key "~speed_rad_s" has the units of the joint's kind: speed_m_s where it
 // is linear. Throws UsageError. Set-up only; thread: one.
 #pragma once

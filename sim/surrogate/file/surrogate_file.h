@@ -14,7 +14,7 @@ namespace sinew::surrogate {
 inline constexpr char kSchema[] = "sinew-surrogate/1";
 
 // Every key but `guard`.
-void Describe(config::Fields& fields, RigParameters& rig);
+void Describe(config::Fields& f, RigParameters& c);
 
 // The file, or an empty section for an empty path.
 config::Section OpenSurrogate(const std::filesystem::path& path);

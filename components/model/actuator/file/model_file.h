@@ -28,7 +28,7 @@ struct ModelFile {
 };
 
 // Every key but those of others.
-void Describe(config::Fields& fields, RobotModel& robot);
+void Describe(config::Fields& f, RobotModel& c);
 
 // A .json path is read with LoadRigJson, everything else as YAML.
 ModelFile LoadModelFile(const std::filesystem::path& path);

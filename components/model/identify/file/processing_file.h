@@ -12,8 +12,8 @@
 
 namespace sinew::identify {
 
-void Describe(config::Fields& fields, ProcessingOptions& options);
-void Describe(config::Fields& fields, AsPublishedOptions& options);
+void Describe(config::Fields& f, ProcessingOptions& c);
+void Describe(config::Fields& f, AsPublishedOptions& c);
 
 // root: the whole model file.
 ProcessingOptions ReadProcessing(const config::Section& root, types::JointKind kind);

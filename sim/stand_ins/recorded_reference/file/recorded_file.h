@@ -18,7 +18,7 @@ struct RecordedReferenceFile {
   reference::StartRule start = reference::StartRule::kArmed;
 };
 
-void Describe(config::Fields& fields, RecordedReferenceFile& file);
+void Describe(config::Fields& f, RecordedReferenceFile& c);
 
 // The first session of the recording whose reference asked for something, from there on, with the
 // period of its joint_state. Throws UsageError naming file and key, or what the recording lacks.

@@ -24,7 +24,7 @@ struct TrainingPlan {
   double rate_Hz = 240.0;
   std::vector<NetworkPlan> networks;
 };
-void Describe(config::Fields& fields, TrainingPlan& plan);
+void Describe(config::Fields& f, TrainingPlan& c);
 
 // The plan of a network. Throws UsageError: file, line, key, expected; for a network that is not
 // there it names those that are.
