@@ -75,6 +75,7 @@ void DescribeAddress(config::Fields& f, const std::vector<BusEntry>& buses, int*
   if (!f.reads()) f("bus", name, "by its name; with one bus it may be left out");
   if (f.reads() && (buses.size() > 1 || f.section().Has("bus"))) {
     std::vector<std::string> names;
+    names.reserve(buses.size());
     for (const BusEntry& entry : buses) names.push_back(entry.name);
     name = f.section().Choice("bus", names);
     *bus = static_cast<int>(std::find(names.begin(), names.end(), name) - names.begin());

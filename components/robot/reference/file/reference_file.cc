@@ -151,8 +151,7 @@ static Described DescribeCsv(config::Fields& f) {
   CsvTrajectory csv = ReadTrajectoryCsv(path, time_column, position_column);
   for (double& q : csv.position_rad) q = sign * q + offset;
   try {
-    const auto samples =
-        std::make_shared<Samples>(std::move(csv.time_s), std::move(csv.position_rad));
+    auto samples = std::make_shared<Samples>(std::move(csv.time_s), std::move(csv.position_rad));
     return {.make = [samples] { return samples; }, .center_rad = samples->At(0.0).position_rad};
   } catch (const std::invalid_argument& error) {
     throw UsageError(path.string() + ": " + error.what() +
