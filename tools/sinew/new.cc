@@ -113,6 +113,7 @@ void MakeBench(NewBenchOptions& options) {
 void AddNewCommand(CLI::App& app) {
   CLI::App* command = app.add_subcommand("new", "Make the files of a bench of your own");
   command->require_subcommand(1);
+  command->footer("Example:\n  sinew new bench run.csv --out bench");
   CLI::App* bench = command->add_subcommand(
       "bench", "Model and mapping of one joint, from the header of a CSV file; asks on a terminal");
   auto options = std::make_shared<NewBenchOptions>();

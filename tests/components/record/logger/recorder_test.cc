@@ -114,7 +114,7 @@ TEST(Recorder, MakesEqualMessagesEqualBytes) {
   TestSink sink;
   Recorder recorder(sink, {SchemaOf("joint_state")}, {});
   Bytes noisy = JointState(1);
-  noisy[4 + 33] = std::byte{0x77};  // alignment before period_s
+  noisy[4 + 57] = std::byte{0x77};  // alignment before period_s
   noisy.resize(noisy.size() + 2, std::byte{9});
   ASSERT_TRUE(recorder.Offer(0, noisy, 1));
   ASSERT_TRUE(recorder.Finish().ok());
