@@ -280,6 +280,7 @@ Guess GuessColumns(std::string_view text, const std::string& name) {
                                 "), expected one such as 'torque_Nm', 'current_A' or 'voltage_V'");
   }
   std::vector<std::string> names;
+  names.reserve(guess.columns.size());
   for (const Column& column : guess.columns) names.push_back(column.name);
   const recording::CsvTable table = recording::ReadCsv(text, name, names, guess.format, 0, 1);
   for (std::size_t k = 0; k < guess.columns.size(); ++k) {

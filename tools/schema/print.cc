@@ -113,6 +113,7 @@ std::string RangeText(const FieldInfo& field) {
 void AddRows(const Shape& shape, const std::string& prefix, std::string* out) {
   for (const FieldInfo& field : shape.fields) {
     std::vector<std::string> keys, only;
+    keys.reserve(field.keys.size());
     for (const std::string& key : field.keys) keys.push_back(Code(prefix + key));
     for (const Condition& when : field.when) {
       only.push_back(Code(when.key) + " " + types::Joined(when.words));

@@ -129,6 +129,7 @@ static void DescribeJoints(config::Fields& f, WorldConfig* c) {
                                     [&](const auto& model) { return model.name == name; });
     if (g.reads() && found == models.end()) {
       std::vector<std::string> known;
+      known.reserve(models.size());
       for (const auto& model : models) known.push_back(model.name);
       g.Fail("name", "'" + name + "', expected a joint of the model: " + types::Joined(known));
     }

@@ -55,6 +55,7 @@ void Describe(config::Fields& f, PerformanceConfig& c) {
     lifting("band_m", c.robot.lift_band_m, kPositive, "smaller turns of the height are noise");
     lifting.Check("urdf", [&] {
       std::vector<std::string> names;
+      names.reserve(model.joints.size());
       for (const actuator::JointModel& joint : model.joints) names.push_back(joint.name);
       c.height.emplace(arm::ParseUrdf(config::ReadFile(urdf), urdf.string()), names, on_ground);
       c.robot.mass_kg = c.height->mass_kg();
