@@ -72,7 +72,7 @@ TEST(SinewWorld, ReportsBadInputInOneLineAndExitsWithTwo) {
   ExpectUsageError("--config " + kRig + " --view rig.avi", "expected a name that ends in .mp4");
   ExpectUsageError("--config " + kRig + " --urdf " + urdf, "bad.urdf:3: no valid XML");
   ExpectUsageError("--config " + kRig + " --model " SINEW_SOURCE_DIR "/robots/emps/model.yaml",
-                   "world.yaml:8");
+                   "world.yaml:9");
   ExpectUsageError("--config " + std::string(SINEW_SOURCE_DIR "/robots/rig/model.yaml"),
                    "expected 'sinew-world/1'");
   std::filesystem::remove_all(folder);
