@@ -268,7 +268,8 @@ TEST(Cdr, CanonicalBytesDoNotDependOnPaddingOrTail) {
       ++padding;
     }
   }
-  EXPECT_EQ(padding, 14u);  // 7 before period_s, 3 before joint_kind, 4 before position_rad
+  // 3 before fault.value, 7 before period_s, 3 before joint_kind, 4 before position_rad
+  EXPECT_EQ(padding, 17u);
   noisy.resize(noisy.size() + 3, std::byte{1});
   CanonicalizeCdr(topic.type, &noisy);
   EXPECT_EQ(noisy, clean);
