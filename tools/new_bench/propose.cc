@@ -9,6 +9,7 @@
 
 #include "components/base/types/angle.h"
 #include "components/base/types/joined.h"
+#include "components/base/types/seconds.h"
 #include "components/record/recording/units.h"
 
 namespace sinew::new_bench {
@@ -203,7 +204,7 @@ std::string ModelText(const Guess& guess, const Answers& answers) {
       "tolerance is a\n"
       "# start, of which nothing is known; {value: 0.02, tolerance: 0.1} is known to 10 %.\n"
       "schema: sinew-model/1\nname: " +
-      answers.joint + "\njoints:\n  - name: " + answers.joint +
+      Quoted(answers.joint) + "\njoints:\n  - name: " + Quoted(answers.joint) +
       "\n    kind: rotary\n    constants: {" + constants +
       "}\n    terms:\n      - effect: " + drive_term +
       "\n      - effect: inertia\n        inertia_kg_m2: 0.01\n      - effect: viscous\n"
@@ -224,11 +225,12 @@ std::string ReadmeText(const Guess& guess, const Answers& answers, const std::st
     text +=
         "| `" + column.name + "` | " + signal + ", " + column.unit + " | " + column.why + " |\n";
   }
+  const std::string split = types::SecondsText(guess.split_s);
   text += "\n```sh\nsinew check-data --model model.yaml --map csv_map.yaml " + recording +
           "                 # faults of the data first\n"
           "sinew close-loop --model model.yaml --map csv_map.yaml --train " +
-          recording + "@:60 --held-out " + recording +
-          "@60: --out result   # 60 s to fit, the rest to check; better another recording\n```\n\n";
+          recording + "@:" + split + " --held-out " + recording + "@" + split +
+          ": --out result   # what comes later checks; better another recording\n```\n\n";
   text += answers.hanging ? "A hanging link is at -90 degrees in the model: gravity is `-m g l cos "
                             "q`. The offset of the angle in\n"
                             "`csv_map.yaml` comes from the reading at which it hangs.\n"
@@ -295,6 +297,10 @@ Guess GuessColumns(std::string_view text, const std::string& name) {
       Assume(table.values[k], &column);
     }
   }
+  const Eigen::VectorXd& time = table.values.front();
+  const auto unit = recording::FindUnit(Quantity::kTime, guess.columns.front().unit);
+  if (time.size() > 0)
+    guess.split_s = unit->ToSi(time[0] + 0.6 * (time[time.size() - 1] - time[0]));
   return guess;
 }
 

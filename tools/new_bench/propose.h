@@ -26,6 +26,7 @@ struct Guess {
   recording::CsvFormat format{};
   std::vector<Column> columns{};      // one for each signal at most; time first, if there is one
   std::vector<std::string> unused{};  // of the file
+  double split_s = 0.0;               // on its clock, after 0.6 of its time
 };
 
 // Throws std::invalid_argument naming the file: no header, or no column that may be an angle or

@@ -11,8 +11,6 @@
 #include <string>
 
 #include "components/base/config/config.h"
-#include "components/base/config/whole_file.h"
-#include "components/model/actuator/file/model_file.h"
 #include "components/record/recording/csv_map.h"
 #include "components/record/recording/file/csv_map_file.h"
 #include "tools/new_bench/propose.h"
@@ -66,13 +64,6 @@ void AskForTheRest(const new_bench::Guess& guess, NewBenchOptions* options) {
   }
 }
 
-void Write(const fs::path& path, const std::string& text) {
-  config::WholeFile file(path);
-  std::string problem = file.Write(text);
-  if (problem.empty()) problem = file.Commit();
-  if (!problem.empty()) throw UsageError(path.string() + ": " + problem);
-}
-
 void MakeBench(NewBenchOptions& options) {
   const std::string name = options.recording.string();
   const std::string text = config::ReadFile(options.recording);
@@ -87,14 +78,13 @@ void MakeBench(NewBenchOptions& options) {
     AskForTheRest(guess, &options);
     const new_bench::Files files =
         new_bench::Propose(guess, options.answers, fs::absolute(options.recording).string());
+    // As close-loop will read it: nothing is written for a recording that it refuses.
+    const types::Run run =
+        recording::ReadCsvRun(text, name, recording::ParseCsvMap(files.csv_map, "csv_map.yaml"));
     fs::create_directories(options.out);
-    Write(options.out / "csv_map.yaml", files.csv_map);
-    Write(options.out / "model.yaml", files.model);
-    Write(options.out / "README.md", files.readme);
-    // As close-loop reads them.
-    (void)actuator::LoadRobotModel(options.out / "model.yaml");
-    const recording::CsvMap map = recording::LoadCsvMap(options.out / "csv_map.yaml");
-    const types::Run run = recording::ReadCsvRun(text, name, map);
+    config::WriteFileAtomically(options.out / "csv_map.yaml", files.csv_map);
+    config::WriteFileAtomically(options.out / "model.yaml", files.model);
+    config::WriteFileAtomically(options.out / "README.md", files.readme);
     for (const new_bench::Column& column : guess.columns) {
       const std::string signal =
           column.signal ? std::string(types::SignalName(*column.signal)) : "time";

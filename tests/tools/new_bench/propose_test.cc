@@ -83,6 +83,7 @@ TEST(NewBench, TheFilesAreReadAndAHangingLinkIsAtMinusNinetyDegrees) {
   answers.torque_constant_Nm_A = 0.09;
   answers.drive_sign = -1;
   answers.hanging = 10.0;
+  answers.joint = "left: knee";
   const Files files = Propose(guess, answers, "e.csv");
   const recording::CsvMap map = recording::ParseCsvMap(files.csv_map, "csv_map.yaml");
   const types::Run run = recording::ReadCsvRun(text, "e.csv", map);
@@ -91,8 +92,10 @@ TEST(NewBench, TheFilesAreReadAndAHangingLinkIsAtMinusNinetyDegrees) {
   EXPECT_NEAR(run.time_s[2], 0.002, 1e-12);
   const testing::TemporaryFolder folder;
   const auto model = actuator::LoadRobotModel(folder.Write("model.yaml", files.model));
-  EXPECT_EQ(model.joints.size(), 1U);
+  ASSERT_EQ(model.joints.size(), 1U);
+  EXPECT_EQ(model.joints[0].name, "left: knee");
   EXPECT_THAT(files.readme, AllOf(HasSubstr("iq"), HasSubstr("-m g l cos q")));
+  EXPECT_THAT(files.readme, HasSubstr("--train e.csv@:0.001 --held-out e.csv@0.001:"));
   // Without gravity, and driven by a voltage.
   const Guess voltage = GuessColumns("t,q,u\n0,0,1\n1,0,1\n", "f.csv");
   const auto second =
