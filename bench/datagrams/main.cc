@@ -9,6 +9,7 @@
 #include <poll.h>
 #include <sinew_idl/joint.h>
 #include <spdlog/spdlog.h>
+#include <sys/ioctl.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -20,10 +21,12 @@
 #include <cstdio>
 #include <cstring>
 #include <exception>
+#include <map>
 #include <random>
 #include <set>
 #include <stdexcept>
 #include <string>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -54,9 +57,10 @@ class Socket {
   int fd_;
 };
 
-// Ports of the UDP sockets of this process.
-std::set<int> OpenPorts() {
-  std::set<int> out;
+// Ports of the UDP sockets of this process that are read: from some, DDS only sends.
+std::set<int> ReadPorts() {
+  const Socket from(AF_INET, SOCK_DGRAM, 0);
+  std::map<int, int> fds;  // by port
   for (int fd = 0; fd < 1024; ++fd) {
     sockaddr_in address{};
     socklen_t size = sizeof address;
@@ -64,7 +68,21 @@ std::set<int> OpenPorts() {
     socklen_t type_size = sizeof type;
     if (getsockopt(fd, SOL_SOCKET, SO_TYPE, &type, &type_size) != 0 || type != SOCK_DGRAM) continue;
     if (getsockname(fd, reinterpret_cast<sockaddr*>(&address), &size) != 0) continue;
-    if (address.sin_family == AF_INET && address.sin_port != 0) out.insert(ntohs(address.sin_port));
+    if (address.sin_family != AF_INET || address.sin_port == 0) continue;
+    if (!fds.emplace(ntohs(address.sin_port), fd).second) continue;
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    const std::uint8_t nothing = 0;
+    ::sendto(from.fd(), &nothing, 1, 0, reinterpret_cast<const sockaddr*>(&address),
+             sizeof address);
+  }
+  const auto end = Clock::now() + std::chrono::seconds(1);
+  std::set<int> out;
+  while (Clock::now() < end && out.size() < fds.size()) {
+    for (const auto& [port, fd] : fds) {
+      int waiting = 0;
+      if (::ioctl(fd, FIONREAD, &waiting) == 0 && waiting == 0) out.insert(port);
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
   }
   return out;
 }
@@ -105,6 +123,9 @@ class Pair {
   std::uint64_t tick_ = 0;
 };
 
+// Discovery, handshakes and samples are over by then; what follows are heartbeats.
+constexpr std::chrono::seconds kCapture{8};
+
 // What passes on loopback between participants while a pair finds itself: discovery, handshakes
 // where there is DDS security, acknowledgements and samples.
 std::vector<Datagram> Captured(const node::Options& options, std::size_t most) {
@@ -121,7 +142,8 @@ std::vector<Datagram> Captured(const node::Options& options, std::size_t most) {
   std::set<Datagram> seen;
   pollfd wait{socket.fd(), POLLIN, 0};
   std::array<std::uint8_t, 65536> bytes{};
-  while (out.size() < most && ::poll(&wait, 1, 1500) == 1) {
+  const auto end = Clock::now() + kCapture;
+  while (out.size() < most && Clock::now() < end && ::poll(&wait, 1, 1500) == 1) {
     const ssize_t size = ::recv(socket.fd(), bytes.data(), bytes.size(), 0);
     if (size < static_cast<ssize_t>(sizeof(iphdr) + sizeof(udphdr) + kHeader)) continue;
     iphdr ip{};
@@ -215,13 +237,15 @@ class Sender {
     const in_addr loopback{htonl(INADDR_LOOPBACK)};
     setsockopt(socket_.fd(), IPPROTO_IP, IP_MULTICAST_IF, &loopback, sizeof loopback);
     const int discovery_port = 7400 + 250 * domain;  // RTPS 2.5, 9.6.2
-    for (const int port : OpenPorts()) Add("127.0.0.1", port);
+    for (const int port : ReadPorts()) Add("127.0.0.1", port);
     Add(kDiscoveryGroup, discovery_port);
   }
 
-  // The next port in turn: every one gets as many.
+  // The ports in turn: every one gets as many, some in a row, so that a thread that was woken finds
+  // more than one.
   void Send(const Datagram& datagram) {
-    const sockaddr_in& to = addresses_[next_++ % addresses_.size()];
+    constexpr std::size_t kInARow = 8;
+    const sockaddr_in& to = addresses_[next_++ / kInARow % addresses_.size()];
     ::sendto(socket_.fd(), datagram.data(), datagram.size(), 0,
              reinterpret_cast<const sockaddr*>(&to), sizeof to);
   }
@@ -267,6 +291,8 @@ int Soak(const SoakOptions& options) {
     if (sent < received + kInFlight) {
       sender.Send(mutator.Of(seeds));
       ++sent;
+    } else {
+      std::this_thread::yield();
     }
     const std::uint64_t now = node::internal::ReceivedDatagrams().received - first.received;
     if (now != received) last_news = Clock::now();
