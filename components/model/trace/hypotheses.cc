@@ -170,6 +170,8 @@ class Builder {
     bank_.hypotheses.push_back(std::move(h));
   }
 
+  void Finish() { bank_.columns.conservativeResize(used_.size(), filled_); }
+
   int NextFamily() const {
     int last = -1;
     for (const Hypothesis& h : bank_.hypotheses) last = std::max(last, h.family);
@@ -204,9 +206,12 @@ class Builder {
 
   Columns AddColumns(const Eigen::MatrixXd& columns) {
     Columns out;
-    const Eigen::Index before = bank_.columns.cols();
-    bank_.columns.conservativeResize(used_.size(), before + columns.cols());
-    bank_.spread.conservativeResize(before + columns.cols());
+    const Eigen::Index before = filled_;
+    filled_ += columns.cols();
+    if (filled_ > bank_.columns.cols()) {  // to twice as many: Finish takes back what is unused
+      bank_.columns.conservativeResize(used_.size(), 2 * filled_);
+    }
+    bank_.spread.conservativeResize(filled_);
     for (Eigen::Index c = 0; c < columns.cols(); ++c) {
       bank_.columns.col(before + c) = columns.col(c);
       const double rms = Rms(columns.col(c));
@@ -221,6 +226,7 @@ class Builder {
   const actuator::JointModel& model_;  // as declared
   const UsedRows& used_;
   Bank& bank_;
+  Eigen::Index filled_ = bank_.columns.cols();
   std::optional<MachineSize> machine_;  // of the motion's balance
   double scale_ = 1.0, drive_share_ = 1.0, target_rms_ = 0.0, target_peak_ = 0.0;
   double turns_ = 0.0;  // of the output that the rows cover
@@ -286,6 +292,7 @@ Bank MakeBank(const identify::Design& design, const Likelihood& likelihood,
   for (const Curve& curve : FreeCurves(design, model.balance)) {
     builder.AddCurve(curve.description, curve.variable, 0.0, used.Of(curve.columns), 0.0);
   }
+  builder.Finish();
   bank.untestable = std::move(set.untestable);
   return bank;
 }
@@ -380,6 +387,7 @@ void AddOrders(const identify::Design& design, const Likelihood& likelihood,
                        -used.Of(line.phi), charge);
     }
   }
+  builder.Finish();
   if (!cogging.settings.empty()) {
     cogging.family = builder.NextFamily();
     cogging.order_per_turn = cogging.settings.front().psi.front();

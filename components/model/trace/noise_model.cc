@@ -11,6 +11,8 @@ namespace {
 // 1 / sqrt(kWhiteFloor). Columns are known to a few per cent of their size, not better.
 constexpr double kWhiteFloor = 0.01;
 
+constexpr Eigen::Index kRowsAtATime = 1024;  // two of them fit into any first-level cache
+
 }  // namespace
 
 NoiseModel::NoiseModel(const Eigen::Ref<const Eigen::VectorXd>& noise,
@@ -63,11 +65,17 @@ NoiseModel::NoiseModel(const Eigen::Ref<const Eigen::VectorXd>& noise,
 }
 
 Eigen::MatrixXd NoiseModel::Whiten(const Eigen::Ref<const Eigen::MatrixXd>& columns,
-                                   const std::vector<Stretch>& stretches) const {
+                                   const std::vector<Stretch>& stretches,
+                                   const Eigen::VectorXd& weight) const {
   const Eigen::Index p = order();
   Eigen::MatrixXd out(columns.rows(), columns.cols());
+  Eigen::VectorXd x(columns.rows());
   for (Eigen::Index c = 0; c < columns.cols(); ++c) {
-    const auto x = columns.col(c);
+    if (weight.size() > 0) {
+      x = weight.cwiseProduct(columns.col(c));
+    } else {
+      x = columns.col(c);
+    }
     auto e = out.col(c);
     for (const Stretch& stretch : stretches) {
       const Eigen::Index start = stretch.first + std::min(p, stretch.count);
@@ -78,10 +86,13 @@ Eigen::MatrixXd NoiseModel::Whiten(const Eigen::Ref<const Eigen::MatrixXd>& colu
         for (Eigen::Index k = 1; k <= m; ++k) sum += coefficients_(m, k - 1) * x[i - k];
         e[i] = scale_[m] * sum;
       }
-      if (rest <= 0) continue;
-      e.segment(start, rest) = scale_[p] * x.segment(start, rest);
-      for (Eigen::Index k = 1; k <= p; ++k) {
-        e.segment(start, rest) += scale_[p] * coefficients_(p, k - 1) * x.segment(start - k, rest);
+      for (Eigen::Index first = start; first < start + rest; first += kRowsAtATime) {
+        const Eigen::Index count = std::min(kRowsAtATime, start + rest - first);
+        e.segment(first, count) = scale_[p] * x.segment(first, count);
+        for (Eigen::Index k = 1; k <= p; ++k) {
+          e.segment(first, count) +=
+              scale_[p] * coefficients_(p, k - 1) * x.segment(first - k, count);
+        }
       }
     }
   }

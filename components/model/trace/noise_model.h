@@ -33,9 +33,11 @@ class NoiseModel {
   int order() const { return static_cast<int>(coefficients_.cols()); }
   double sigma() const { return sigma_; }
 
-  // Every column whitened and divided by sigma, stretch by stretch.
+  // Every column, times the rows' weights where there are any, whitened and divided by sigma,
+  // stretch by stretch.
   Eigen::MatrixXd Whiten(const Eigen::Ref<const Eigen::MatrixXd>& columns,
-                         const std::vector<Stretch>& stretches) const;
+                         const std::vector<Stretch>& stretches,
+                         const Eigen::VectorXd& weight = {}) const;
   // The transposed filter: Transpose(e) . x = e . Whiten(x), for scans over many columns.
   Eigen::VectorXd Transpose(const Eigen::Ref<const Eigen::VectorXd>& whitened,
                             const std::vector<Stretch>& stretches) const;

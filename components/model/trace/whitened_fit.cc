@@ -155,11 +155,7 @@ std::vector<Free> FreeShapes(const identify::Design& design, const actuator::Joi
 
 Eigen::MatrixXd Whiten(const Likelihood& likelihood,
                        const Eigen::Ref<const Eigen::MatrixXd>& columns) {
-  if (likelihood.weight.size() == 0) {
-    return likelihood.noise.Whiten(columns, likelihood.used.stretches);
-  }
-  return likelihood.noise.Whiten(likelihood.weight.asDiagonal() * columns,
-                                 likelihood.used.stretches);
+  return likelihood.noise.Whiten(columns, likelihood.used.stretches, likelihood.weight);
 }
 
 Eigen::VectorXd WhitenTransposed(const Likelihood& likelihood,
