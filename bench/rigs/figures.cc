@@ -264,6 +264,49 @@ std::string TableOfShares(const std::vector<Figure>& shares) {
   return out;
 }
 
+std::string ReliabilityOf(const std::vector<Outcome>& outcomes) {
+  struct Row {
+    std::string name;
+    double from, to;
+    int right = 0, all = 0;
+    double sum = 0.0;  // of p
+  };
+  std::vector<Row> rows;
+  for (int k = 0; k < 10; ++k) {
+    rows.push_back({"", 0.1 * k, 0.1 * (k + 1)});
+    rows.back().name = "p " + std::to_string(10 * k) + " to " + std::to_string(10 * k + 10) + " %";
+  }
+  rows.push_back({"named, p over 80 %", 0.8, 2.0});
+  rows.push_back({"named, p over 95 %", 0.95, 2.0});
+  for (const Outcome& o : outcomes) {
+    if (o.kind == "fault") continue;
+    const auto count = [&](const Named& named, bool in_model) {
+      const bool right = std::any_of(o.effects.begin(), o.effects.end(),
+                                     [&](const TrueEffect& e) { return StandsFor(named, e); });
+      for (Row& row : rows) {
+        if (named.p < row.from || named.p >= row.to || (row.to > 1.5 && !in_model)) continue;
+        row.right += right ? 1 : 0;
+        ++row.all;
+        row.sum += named.p;
+      }
+    };
+    for (const Named& named : Standing(o)) count(named, true);
+    for (const Named& named : o.open) count(named, false);
+  }
+  std::string out;
+  char line[160];
+  for (const Row& row : rows) {
+    if (row.all == 0) continue;
+    const auto [low, high] = ClopperPearson(row.right, row.all);
+    std::snprintf(line, sizeof line,
+                  "  %-20s mean p %5.1f %%, right %4d of %4d  %5.1f %%  [%4.1f, %5.1f]\n",
+                  row.name.c_str(), 100.0 * row.sum / row.all, row.right, row.all,
+                  100.0 * row.right / row.all, 100.0 * low, 100.0 * high);
+    out += line;
+  }
+  return out;
+}
+
 std::string PlantedTableOf(const std::vector<Outcome>& outcomes) {
   std::map<std::string, std::pair<int, int>> of_effect;  // found, trials
   for (const Outcome& outcome : outcomes) {

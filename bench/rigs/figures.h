@@ -42,6 +42,9 @@ struct Figures {
 Figures CountFigures(const std::vector<Outcome>& outcomes);
 std::string TableOfShares(const std::vector<Figure>& shares);
 std::string TableOf(const Figures& figures);
+// Names in the model and open ones, by the p that the report prints: how many were right in each
+// tenth, and of those above 0.8 and 0.95. Recordings with a fault of the log are left out.
+std::string ReliabilityOf(const std::vector<Outcome>& outcomes);
 // Cases of kind `planted`: by effect how many were found; empty: there are none.
 std::string PlantedTableOf(const std::vector<Outcome>& outcomes);
 // Who was taken for whom: a line per true effect.

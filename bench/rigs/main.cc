@@ -172,6 +172,7 @@ void Run(const fs::path& cases, const fs::path& sinew, const fs::path& reports,
 void Print(const std::vector<Outcome>& outcomes, const fs::path& json, bool confusion) {
   const Figures figures = CountFigures(outcomes);
   std::cout << outcomes.size() << " cases\n" << TableOf(figures);
+  std::cout << "names by the p that is printed beside them\n" << ReliabilityOf(outcomes);
   std::cout << PlantedTableOf(outcomes);
   if (confusion) std::cout << "\n" << ConfusionOf(outcomes);
   if (!json.empty()) std::ofstream(json) << ToJson(figures).dump(1) << "\n";

@@ -43,6 +43,39 @@ std::string Text(const json& from, const char* key) {
   return from.contains(key) && from.at(key).is_string() ? from.at(key).get<std::string>() : "";
 }
 
+std::vector<Named> NamedIn(const json& report, const char* key) {
+  std::vector<Named> out;
+  for (const json& effect : report.value(key, json::array())) {
+    const json said = effect.value("confirmation", json());
+    const json score = effect.value("score", json());
+    out.push_back({effect.at("name"), Names(effect, "rivals"),
+                   said.is_object() ? Text(said, "verdict") : Text(effect, "confirmation"),
+                   NamedProbability(effect), score.is_object() ? score.value("p", 0.0) : 0.0});
+  }
+  return out;
+}
+
+json ToJson(const std::vector<Named>& named) {
+  json out = json::array();
+  for (const Named& n : named) {
+    out.push_back({{"name", n.name},
+                   {"rivals", n.rivals},
+                   {"confirmation", n.confirmation},
+                   {"probability", n.probability},
+                   {"p", n.p}});
+  }
+  return out;
+}
+
+std::vector<Named> NamedFrom(const json& lines) {
+  std::vector<Named> out;
+  for (const json& n : lines) {
+    out.push_back({n.at("name"), n.at("rivals").get<std::vector<std::string>>(),
+                   n.at("confirmation"), n.value("probability", 0.0), n.value("p", 0.0)});
+  }
+  return out;
+}
+
 json Read(const std::filesystem::path& path) {
   std::ifstream in(path);
   if (!in) throw std::runtime_error(path.string() + ": cannot be read");
@@ -81,14 +114,8 @@ Outcome MakeOutcome(const json& truth, const json& report) {
     return out;
   }
   out.verdict = report.at("verdict");
-  if (report.contains("effects")) {
-    for (const json& effect : report.at("effects")) {
-      const json said = effect.value("confirmation", json());
-      out.found.push_back({effect.at("name"), Names(effect, "rivals"),
-                           said.is_object() ? Text(said, "verdict") : Text(effect, "confirmation"),
-                           NamedProbability(effect)});
-    }
-  }
+  out.found = NamedIn(report, "effects");
+  out.open = NamedIn(report, "open");
   if (report.contains("unexplained") && report.at("unexplained").is_object()) {
     out.variable = Text(report.at("unexplained"), "variable");
   }
@@ -108,7 +135,7 @@ Outcome MakeOutcome(const json& truth, const json& report) {
 }
 
 json ToJson(const Outcome& o) {
-  json effects = json::array(), found = json::array();
+  json effects = json::array();
   for (const TrueEffect& e : o.effects) {
     effects.push_back({{"name", e.name},
                        {"variable", e.variable},
@@ -116,12 +143,6 @@ json ToJson(const Outcome& o) {
                        {"reached", e.reached},
                        {"identifiable", e.identifiable},
                        {"absorbed", e.absorbed}});
-  }
-  for (const Named& n : o.found) {
-    found.push_back({{"name", n.name},
-                     {"rivals", n.rivals},
-                     {"confirmation", n.confirmation},
-                     {"probability", n.probability}});
   }
   json out = {{"case", o.name},
               {"rig", o.rig},
@@ -134,7 +155,8 @@ json ToJson(const Outcome& o) {
               {"effects", effects},
               {"verdict", o.verdict},
               {"rows_left_out", o.rows_left_out},
-              {"found", found},
+              {"found", ToJson(o.found)},
+              {"open", ToJson(o.open)},
               {"variable", o.variable},
               {"not_excited", o.not_excited},
               {"shift_causes", o.shift_causes},
@@ -160,10 +182,8 @@ Outcome FromJson(const json& line) {
   }
   o.verdict = line.at("verdict");
   o.rows_left_out = line.value("rows_left_out", false);
-  for (const json& n : line.at("found")) {
-    o.found.push_back({n.at("name"), n.at("rivals").get<std::vector<std::string>>(),
-                       n.at("confirmation"), n.value("probability", 0.0)});
-  }
+  o.found = NamedFrom(line.at("found"));
+  o.open = NamedFrom(line.value("open", json::array()));
   o.variable = line.at("variable");
   o.not_excited = line.at("not_excited").get<std::vector<std::string>>();
   o.shift_causes = line.at("shift_causes").get<std::vector<std::string>>();

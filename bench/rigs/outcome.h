@@ -14,6 +14,7 @@ struct Named {
   std::vector<std::string> rivals;
   std::string confirmation;  // empty: the report has none
   double probability = 0.0;  // of the name and its rivals together; 0: the report has none
+  double p = 0.0;            // of the name by its facts; 0: the report has none
 };
 
 struct TrueEffect {
@@ -31,7 +32,7 @@ struct Outcome {
   // Report.
   std::string verdict;         // "missing" where there is no report
   bool rows_left_out = false;  // by the data gate
-  std::vector<Named> found;
+  std::vector<Named> found, open;
   std::string variable;
   std::vector<std::string> not_excited, shift_causes;
   std::optional<double> p_global;

@@ -270,7 +270,9 @@ void Plant::Step() {
     const double gap = x_ - q_;
     const double half = coupling_ == Coupling::kPlay ? 0.5 * play_ : 0.0;
     const double pressed = gap > half ? gap - half : gap < -half ? gap + half : 0.0;
-    tooth_ = stiffness_ * pressed + (half == 0.0 || pressed != 0.0 ? damping_ * (xv_ - v_) : 0.0);
+    const double pulled = stiffness_ * pressed / rig_.force_scale();
+    tooth_ = stiffness_ * pressed * (1.0 + rig_.stiffening * pulled * pulled) +
+             (half == 0.0 || pressed != 0.0 ? damping_ * (xv_ - v_) : 0.0);
     if (half > 0.0 && tooth_ * pressed <= 0.0) tooth_ = 0.0;
     const double link = LinkForce(tooth_) + tooth_ - tip;
     v_ += link / inertia * dt_;

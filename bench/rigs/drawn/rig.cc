@@ -149,6 +149,67 @@ void DrawCylinder(Rig& rig, Random& random, double scale) {
   rig.motor_viscous = rig.rotor_inertia;
 }
 
+// A motor far from its joint: a toothed belt that is soft and stiffens as it is pulled.
+void DrawBelt(Rig& rig, Random& random, double scale) {
+  rig.coupling = Coupling::kSpring;
+  rig.gear_ratio = random.Uniform(2.0, 8.0);
+  DrawRotaryBodies(rig, random, scale, 2.0);
+  if (random.Chance(0.4)) rig.gravity_torque = 0.0;
+  rig.rotor_inertia = rig.link_inertia * random.LogUniform(0.1, 1.0);
+  rig.motor_viscous = rig.rotor_inertia * random.Uniform(1.0, 4.0);
+  rig.link_viscous = rig.link_inertia * random.Uniform(0.3, 1.5);
+  rig.coulomb = rig.link_inertia * random.Uniform(0.5, 2.0);
+  rig.stiffening = random.Uniform(0.1, 0.6);
+  rig.payloads = rig.gravity_torque > 0.0 && random.Chance(0.5);
+  rig.temperature = random.Chance(0.4);
+  rig.velocities = random.Chance(0.5);
+  rig.amplitude = random.Uniform(0.5, 1.4);
+  rig.frequency_Hz = random.LogUniform(0.3, 1.0);
+}
+
+// One or two planet stages with little play, homed anew for every recording.
+void DrawQuasiDirect(Rig& rig, Random& random, double scale) {
+  rig.coupling = Coupling::kPlay;
+  rig.gear_ratio = random.Uniform(5.0, 12.0);
+  DrawRotaryBodies(rig, random, scale, 4.0);
+  rig.rotor_inertia = rig.link_inertia * random.LogUniform(0.1, 0.8);
+  rig.motor_viscous = rig.rotor_inertia * random.Uniform(1.0, 4.0);
+  rig.coulomb = rig.gravity_torque * random.Uniform(0.03, 0.12);
+  rig.play = random.LogUniform(0.001, 0.005);
+  rig.kinematic = random.Chance(0.5);
+  rig.payloads = random.Chance(0.6);
+  rig.temperature = random.Chance(0.5);
+  rig.velocities = random.Chance(0.5);
+  rig.homing = random.LogUniform(0.001, 0.01);
+  rig.amplitude = random.Uniform(0.5, 1.1);
+  rig.frequency_Hz = random.LogUniform(0.4, 1.2);
+}
+
+// A rigid worm or cycloid whose weight a chamber at a regulated pressure carries in part.
+void DrawAirSpring(Rig& rig, Random& random, double scale) {
+  rig.coupling = Coupling::kRigid;
+  rig.gear_ratio = std::round(random.LogUniform(10.0, 50.0));
+  DrawRotaryBodies(rig, random, scale, 5.0);
+  rig.rotor_inertia = rig.link_inertia * random.LogUniform(0.5, 3.0);
+  rig.motor_viscous = 0.0;
+  rig.link_viscous = rig.total_inertia() * random.Uniform(0.5, 3.0);
+  rig.coulomb = rig.gravity_torque * random.Uniform(0.1, 0.35);
+  rig.output_encoder = false;
+  rig.pressure = true;
+  rig.pneumatic_slope = rig.gravity_torque * random.Uniform(0.15, 0.4);
+  rig.pneumatic_stiffness = rig.pneumatic_slope * random.LogUniform(0.1, 1.0);
+  rig.rest_position = random.Uniform(-0.3, 0.3);
+  const double change = 1e-5 * (1.5 * rig.pneumatic_slope + 1.1 * rig.pneumatic_stiffness);
+  rig.gas_volume_m3 = change * random.Uniform(2.0, 6.0);
+  rig.gas_wall_time_s = random.LogUniform(0.02, 0.2);
+  rig.valve_flow_m2 = rig.gas_volume_m3 * random.LogUniform(0.03, 0.2);
+  rig.pressure_max_bar = random.Uniform(2.0, 5.0);
+  rig.payloads = random.Chance(0.5);
+  rig.temperature = random.Chance(0.5);
+  rig.amplitude = random.Uniform(0.4, 1.0);
+  rig.frequency_Hz = random.LogUniform(0.2, 0.7);
+}
+
 void DrawSensors(Rig& rig, Random& random) {
   rig.motor_bits = random.Integer(12, 20);
   rig.output_bits = random.Integer(12, 20);
@@ -191,6 +252,12 @@ const char* WordOf(Family family) {
       return "cylinder";
     case Family::kHanging:
       return "hanging";
+    case Family::kBelt:
+      return "belt";
+    case Family::kQuasiDirect:
+      return "quasi_direct";
+    case Family::kAirSpring:
+      return "air_spring";
   }
   return "";
 }
@@ -210,11 +277,12 @@ Rig DrawRig(std::uint64_t number) {
   Random random(number, 0);
   Rig rig;
   rig.number = number;
-  // Every sixth (seventh) rig is of each family, in a drawn order of six (seven).
-  const int families = number < kSecondDraw ? 6 : 7;
+  // As many rigs of each of the draw's families, in a drawn order.
+  const bool third = number >= kThirdDraw;
+  const std::uint64_t families = third ? 3 : number < kSecondDraw ? 6 : 7;
   const auto drawn = static_cast<std::uint64_t>(
-      Random(number / static_cast<std::uint64_t>(families), 77).Integer(0, families - 1));
-  rig.family = static_cast<Family>((number + drawn) % static_cast<std::uint64_t>(families));
+      Random(number / families, 77).Integer(0, static_cast<int>(families) - 1));
+  rig.family = static_cast<Family>((number + drawn) % families + (third ? 7 : 0));
   const double scale = random.LogUniform(0.1, 10.0);
   rig.rate_Hz = std::round(random.LogUniform(50.0, 1000.0));
   switch (rig.family) {
@@ -236,6 +304,15 @@ Rig DrawRig(std::uint64_t number) {
       break;
     case Family::kCylinder:
       DrawCylinder(rig, random, scale);
+      break;
+    case Family::kBelt:
+      DrawBelt(rig, random, scale);
+      break;
+    case Family::kQuasiDirect:
+      DrawQuasiDirect(rig, random, scale);
+      break;
+    case Family::kAirSpring:
+      DrawAirSpring(rig, random, scale);
       break;
   }
 
@@ -281,8 +358,9 @@ Rig DrawRig(std::uint64_t number) {
   // Contact and friction that the step resolves.
   const double reduced = rig.rotor_inertia * rig.link_inertia / rig.total_inertia();
   const double fastest = 0.35 / rig.step_s();
-  const double wanted_Hz = rig.coupling == Coupling::kPlay
-                               ? random.LogUniform(120.0, 250.0)
+  const double wanted_Hz = rig.coupling == Coupling::kPlay ? random.LogUniform(120.0, 250.0)
+                           : rig.stiffening > 0.0
+                               ? random.LogUniform(20.0, 80.0)
                                : std::max(80.0, rig.rate_Hz * 0.4) * random.LogUniform(1.0, 2.0);
   const double omega = std::min(fastest, 2.0 * kPi * wanted_Hz);
   rig.stiffness = reduced * omega * omega;

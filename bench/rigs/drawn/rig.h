@@ -10,10 +10,23 @@
 
 namespace sinew::rigs {
 
-enum class Family { kSeaPea, kDirectDrive, kHarmonic, kLinear, kServo, kCylinder, kHanging };
-// Rigs from this number on are drawn of all families, with tasks of all kinds; those below are of
-// the first six, with tasks from point to point, and stay what they were.
+enum class Family {
+  kSeaPea,
+  kDirectDrive,
+  kHarmonic,
+  kLinear,
+  kServo,
+  kCylinder,
+  kHanging,
+  kBelt,
+  kQuasiDirect,
+  kAirSpring
+};
+// Rigs from this number on are drawn of the first seven families, with tasks of all kinds; those
+// below are of the first six, with tasks from point to point, and stay what they were.
 inline constexpr std::uint64_t kSecondDraw = 100000;
+// From here on they are of the last three: held back from every choice (LEDGER.md).
+inline constexpr std::uint64_t kThirdDraw = 200000;
 enum class Coupling { kRigid, kSpring, kPlay };
 // What the record calls the drive: motor current, amplifier command in volts, volts on the winding,
 // or torque (force) of a sensor between motor and link.
@@ -61,9 +74,10 @@ struct Rig {
   double bristle = 1e-4;        // displacement at which friction has built up
   double gravity_torque = 0.6;  // 0: none
   double link_length_m = 0.3;
-  double offset = 0.0;     // constant force, declared where not 0
-  double play = 0.0;       // full width
-  double stiffness = 2e4;  // of the teeth or the spring
+  double offset = 0.0;      // constant force, declared where not 0
+  double play = 0.0;        // full width
+  double stiffness = 2e4;   // of the teeth or the spring
+  double stiffening = 0.0;  // the spring's share more where it carries the typical torque
   double damping = 5.0;
 
   // Hardware.
@@ -91,6 +105,7 @@ struct Rig {
   int motor_bits = 14, output_bits = 14;
   double position_step = 0.0;   // linear scale; 0: output_bits per turn
   double encoder_jitter = 0.3;  // in steps
+  double homing = 0.0;          // standard deviation of a recording's zero, at the output
   Noise current, torque, pressure_noise, force;
   double stamp_jitter = 0.01;    // share of a period
   double lost_rows = 0.0;        // share

@@ -77,6 +77,9 @@ std::vector<Reading> ReadWithNoise(const Rig& rig, const std::vector<TrueRow>& r
       share * (rig.position_step > 0.0 ? rig.position_step : kTwoPi / std::exp2(rig.output_bits));
   // The controller's observer: a first-order lag behind the encoder's difference.
   const double observer = 1.0 - std::exp(-2.0 * kTwoPi * rig.bandwidth_Hz / rig.rate_Hz);
+  Random homing(seed, 19);
+  const double motor_zero = share * rig.homing * rig.gear_ratio * homing.Normal();
+  const double zero = share * rig.homing * homing.Normal();
   double motor_velocity = 0.0, velocity = 0.0;
   std::vector<Reading> out;
   out.reserve(rows.size());
@@ -88,9 +91,10 @@ std::vector<Reading> ReadWithNoise(const Rig& rig, const std::vector<TrueRow>& r
                       share * rig.stamp_jitter * std::tanh(stamps.Normal() / 3.0) * 3.0) /
                      rig.rate_Hz;
     reading.motor_rad = Source::Round(
-        reading.motor_rad + rig.encoder_jitter * motor_step * motor.Normal(), motor_step);
+        reading.motor_rad + motor_zero + rig.encoder_jitter * motor_step * motor.Normal(),
+        motor_step);
     reading.position = Source::Round(
-        reading.position + rig.encoder_jitter * output_step * output.Normal(), output_step);
+        reading.position + zero + rig.encoder_jitter * output_step * output.Normal(), output_step);
     if (!rig.output_encoder && rig.motor_encoder) {
       reading.position = reading.motor_rad / rig.gear_ratio;  // the same encoder
     }

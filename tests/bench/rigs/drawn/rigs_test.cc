@@ -147,11 +147,11 @@ TEST(Rigs, TasksOfTheSecondDrawAreOfThreeKinds) {
 }
 
 TEST(Rigs, DrawnRigsStayWithinTheirRangesAndCoverEveryFamily) {
-  std::set<Family> first, second;
+  std::set<Family> families[3];
   for (std::uint64_t k = 1; k <= 600; ++k) {
-    const std::uint64_t number = k <= 300 ? k : kSecondDraw + k;
+    const std::uint64_t number = k <= 200 ? k : k <= 400 ? kSecondDraw + k : kThirdDraw + k;
     const Rig rig = DrawRig(number);
-    (number < kSecondDraw ? first : second).insert(rig.family);
+    families[k <= 200 ? 0 : k <= 400 ? 1 : 2].insert(rig.family);
     EXPECT_GE(rig.rate_Hz, 50.0);
     EXPECT_LE(rig.rate_Hz, 1000.0);
     EXPECT_GE(rig.steps_per_row, 10);
@@ -166,8 +166,42 @@ TEST(Rigs, DrawnRigsStayWithinTheirRangesAndCoverEveryFamily) {
       for (const std::string& name : c.effects) EXPECT_NO_THROW(FindEffect(name));
     }
   }
-  EXPECT_EQ(first.size(), 6u);
-  EXPECT_EQ(second.size(), 7u);
+  EXPECT_EQ(families[0].size(), 6u);
+  EXPECT_EQ(families[1].size(), 7u);
+  EXPECT_EQ(families[2].size(), 3u);
+  for (const Family family : families[2]) EXPECT_FALSE(families[1].contains(family));
+}
+
+TEST(Rigs, ABeltIsStifferTheHarderItPulls) {
+  const Rig rig = FirstOf(Family::kBelt, kThirdDraw);
+  const auto rows = Simulate(rig, {}, Motion(rig, Excitation::kDesigned, 0));
+  double soft = 0.0,
+         hard = 0.0;  // largest stiffness of small, least of large loads, at slow motion
+  for (const TrueRow& row : rows) {
+    if (std::abs(row.motor_velocity - row.velocity) * rig.damping > 1e-3 * rig.force_scale())
+      continue;
+    const double load = std::abs(row.tooth_force) / rig.force_scale();
+    const double stiffness = row.tooth_force / (row.motor - row.true_position);
+    if (load > 0.1 && load < 0.2) soft = std::max(soft, stiffness);
+    if (load > 0.8) hard = hard == 0.0 ? stiffness : std::min(hard, stiffness);
+  }
+  EXPECT_GT(soft, 0.0);
+  EXPECT_GT(hard, soft);
+}
+
+TEST(Rigs, AQuasiDirectDriveIsHomedAnewForEveryRecording) {
+  const Rig rig = FirstOf(Family::kQuasiDirect, kThirdDraw);
+  const auto rows = Simulate(rig, {}, Motion(rig, Excitation::kTask, 0));
+  double zeros[2] = {};
+  for (int recording = 0; recording < 2; ++recording) {
+    const auto readings = ReadWithNoise(rig, rows, recording);
+    for (const Reading& r : readings) {
+      zeros[recording] += r.position - rows[static_cast<std::size_t>(r.index)].position;
+    }
+    zeros[recording] /= static_cast<double>(readings.size());
+  }
+  EXPECT_GT(std::abs(zeros[0] - zeros[1]), 1e-2 * rig.homing);
+  EXPECT_LT(std::abs(zeros[0]), 5.0 * rig.homing);
 }
 
 TEST(Rigs, EveryEffectOfARigChangesItsRecordings) {
