@@ -141,6 +141,26 @@ const Rule kRules[] = {
      [](const Outcome& o) { return !Fair(o); }},
 };
 
+// Names that reports print with a p, but for those of recordings with a fault of the log.
+struct Printed {
+  double p = 0.0;
+  bool right = false, in_model = false;
+};
+std::vector<Printed> PrintedNames(const std::vector<Outcome>& outcomes) {
+  std::vector<Printed> out;
+  for (const Outcome& o : outcomes) {
+    if (o.kind == "fault") continue;
+    const auto add = [&](const Named& named, bool in_model) {
+      const bool right = std::any_of(o.effects.begin(), o.effects.end(),
+                                     [&](const TrueEffect& e) { return StandsFor(named, e); });
+      out.push_back({named.p, right, in_model});
+    };
+    for (const Named& named : Standing(o)) add(named, true);
+    for (const Named& named : o.open) add(named, false);
+  }
+  return out;
+}
+
 double Quantile(std::vector<double> values, double q) {
   if (values.empty()) return 0.0;
   std::sort(values.begin(), values.end());
@@ -273,25 +293,20 @@ std::string ReliabilityOf(const std::vector<Outcome>& outcomes) {
   };
   std::vector<Row> rows;
   for (int k = 0; k < 10; ++k) {
-    rows.push_back({"", 0.1 * k, 0.1 * (k + 1)});
-    rows.back().name = "p " + std::to_string(10 * k) + " to " + std::to_string(10 * k + 10) + " %";
+    rows.push_back({"p " + std::to_string(10 * k) + " to " + std::to_string(10 * k + 10) + " %",
+                    0.1 * k, 0.1 * (k + 1)});
   }
   rows.push_back({"named, p over 80 %", 0.8, 2.0});
   rows.push_back({"named, p over 95 %", 0.95, 2.0});
-  for (const Outcome& o : outcomes) {
-    if (o.kind == "fault") continue;
-    const auto count = [&](const Named& named, bool in_model) {
-      const bool right = std::any_of(o.effects.begin(), o.effects.end(),
-                                     [&](const TrueEffect& e) { return StandsFor(named, e); });
-      for (Row& row : rows) {
-        if (named.p < row.from || named.p >= row.to || (row.to > 1.5 && !in_model)) continue;
-        row.right += right ? 1 : 0;
-        ++row.all;
-        row.sum += named.p;
+  for (const Printed& printed : PrintedNames(outcomes)) {
+    for (Row& row : rows) {
+      if (printed.p < row.from || printed.p >= row.to || (row.to > 1.5 && !printed.in_model)) {
+        continue;
       }
-    };
-    for (const Named& named : Standing(o)) count(named, true);
-    for (const Named& named : o.open) count(named, false);
+      row.right += printed.right ? 1 : 0;
+      ++row.all;
+      row.sum += printed.p;
+    }
   }
   std::string out;
   char line[160];
@@ -303,6 +318,33 @@ std::string ReliabilityOf(const std::vector<Outcome>& outcomes) {
                   row.name.c_str(), 100.0 * row.sum / row.all, row.right, row.all,
                   100.0 * row.right / row.all, 100.0 * low, 100.0 * high);
     out += line;
+  }
+  return out;
+}
+
+Calibration Calibrate(const std::vector<Outcome>& outcomes) {
+  struct Point {
+    double log_odds, right, weight;
+  };
+  std::vector<Point> points = {{0.0, 0.0, 0.5}, {0.0, 1.0, 0.5}};
+  for (const Printed& printed : PrintedNames(outcomes)) {
+    const double p = std::clamp(printed.p, 1e-6, 1.0 - 1e-6);
+    points.push_back({std::log(p / (1.0 - p)), printed.right ? 1.0 : 0.0, 1.0});
+  }
+  Calibration out;
+  out.names = static_cast<int>(points.size()) - 2;
+  for (int step = 0; step < 50; ++step) {  // Newton; the likelihood is concave
+    double g0 = 0, g1 = 0, h00 = 0, h01 = 0, h11 = 0;
+    for (const Point& at : points) {
+      const double q = 1.0 / (1.0 + std::exp(-(out.offset + out.slope * at.log_odds)));
+      const double e = at.weight * (at.right - q), w = at.weight * std::max(1e-9, q * (1.0 - q));
+      g0 += e, g1 += e * at.log_odds;
+      h00 += w, h01 += w * at.log_odds, h11 += w * at.log_odds * at.log_odds;
+    }
+    const double det = h00 * h11 - h01 * h01;
+    if (!(det > 1e-12)) break;
+    out.offset += std::clamp((h11 * g0 - h01 * g1) / det, -1.0, 1.0);
+    out.slope += std::clamp((h00 * g1 - h01 * g0) / det, -1.0, 1.0);
   }
   return out;
 }

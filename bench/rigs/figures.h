@@ -45,6 +45,14 @@ std::string TableOf(const Figures& figures);
 // Names in the model and open ones, by the p that the report prints: how many were right in each
 // tenth, and of those above 0.8 and 0.95. Recordings with a fault of the log are left out.
 std::string ReliabilityOf(const std::vector<Outcome>& outcomes);
+// The line on which the logarithm of the odds of being right depends on that of the p's odds: what
+// makes a p that was trained elsewhere a probability here (Platt 1999). Maximum likelihood with two
+// pseudo-observations, so that no line is vertical. Names as in ReliabilityOf.
+struct Calibration {
+  double offset = 0.0, slope = 1.0;
+  int names = 0;
+};
+Calibration Calibrate(const std::vector<Outcome>& outcomes);
 // Cases of kind `planted`: by effect how many were found; empty: there are none.
 std::string PlantedTableOf(const std::vector<Outcome>& outcomes);
 // Who was taken for whom: a line per true effect.

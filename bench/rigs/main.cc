@@ -173,6 +173,9 @@ void Print(const std::vector<Outcome>& outcomes, const fs::path& json, bool conf
   const Figures figures = CountFigures(outcomes);
   std::cout << outcomes.size() << " cases\n" << TableOf(figures);
   std::cout << "names by the p that is printed beside them\n" << ReliabilityOf(outcomes);
+  const Calibration line = Calibrate(outcomes);
+  std::printf("  log odds of being right = %.2f + %.2f log odds of p (%d names)\n", line.offset,
+              line.slope, line.names);
   std::cout << PlantedTableOf(outcomes);
   if (confusion) std::cout << "\n" << ConfusionOf(outcomes);
   if (!json.empty()) std::ofstream(json) << ToJson(figures).dump(1) << "\n";

@@ -3,7 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <stdexcept>
+
+#include "bench/rigs/drawn/random.h"
 
 namespace sinew::rig_bank {
 namespace {
@@ -176,6 +179,41 @@ TEST(Scorer, OutcomesSurviveTheirLineOfJson) {
   EXPECT_EQ(ToJson(two), ToJson(one));
   EXPECT_EQ(two.p_global, 0.25);
   EXPECT_FALSE(TableOf(CountFigures({two})).empty());
+}
+
+// Names that are right with the probability that the line makes of the printed p.
+std::vector<Outcome> NamesOnALine(double offset, double slope, int count) {
+  std::vector<Outcome> out;
+  rigs::Random random(7, 0);
+  for (int k = 0; k < count; ++k) {
+    const double z = random.Uniform(-2.0, 3.0), q = 1.0 / (1.0 + std::exp(-offset - slope * z));
+    json report = Report("effect", {random.Uniform() < q ? "cogging" : "stribeck"});
+    report["effects"][0]["score"] = {{"p", 1.0 / (1.0 + std::exp(-z))}};
+    out.push_back(MakeOutcome(Truth("effect", "cogging"), report));
+  }
+  return out;
+}
+
+TEST(Scorer, ReliabilityCountsNamesByTheirP) {
+  json report = Report("effect", {"cogging"});
+  report["effects"][0]["score"] = {{"p", 0.97}};
+  report["open"] = json::array({{{"name", "stribeck"}, {"score", {{"p", 0.55}}}}});
+  const std::string text = ReliabilityOf(
+      {MakeOutcome(Truth("effect", "cogging"), report), MakeOutcome(Truth("fault"), report)});
+  EXPECT_NE(text.find("p 50 to 60 %         mean p  55.0 %, right    0 of    1"), std::string::npos)
+      << text;
+  EXPECT_NE(text.find("named, p over 95 %   mean p  97.0 %, right    1 of    1"), std::string::npos)
+      << text;
+}
+
+TEST(Scorer, CalibrationFindsTheLineOfTheOdds) {
+  const Calibration line = Calibrate(NamesOnALine(0.8, 1.7, 20000));
+  EXPECT_EQ(line.names, 20000);
+  EXPECT_NEAR(line.offset, 0.8, 0.1);
+  EXPECT_NEAR(line.slope, 1.7, 0.1);
+  // All right: the line is not vertical.
+  const Calibration all = Calibrate(NamesOnALine(50.0, 0.0, 30));
+  EXPECT_TRUE(std::isfinite(all.offset) && std::isfinite(all.slope));
 }
 
 TEST(Scorer, PValuesThatAreUniformAreNearTheDiagonal) {
