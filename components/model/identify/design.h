@@ -125,14 +125,14 @@ class Design {
   // Offsets set so far; runs that are not named have none.
   const std::map<int, double>& clocks() const { return clocks_; }
 
+  // Takes the mean over its used rows from every window. Columns that this class makes are so.
+  void Centre(Eigen::Ref<Eigen::VectorXd> column) const;
+
  private:
   Eigen::Index Step(const StateSegment& segment) const;
   // Filters a full-rate column of a segment; returns the number of rows written.
   Eigen::Index Thin(const StateSegment& segment, const Eigen::VectorXd& full,
                     Eigen::Ref<Eigen::VectorXd> out) const;
-  // Takes the mean over its used rows from every window.
-  void Centre(Eigen::Ref<Eigen::VectorXd> column) const;
-
   double NoiseShare(const std::vector<Eigen::VectorXd>& full,
                     const Eigen::VectorXd& filtered) const;
   Eigen::MatrixXd MakeColumns(const effects::Effect& effect, std::span<const double> psi) const;

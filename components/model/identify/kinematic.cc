@@ -88,6 +88,7 @@ StateSet MakeKinematicStates(const std::vector<types::Run>& runs,
     const UniformRun uniform = MakeUniform(runs[r], motion.longest_gap_s);
     for (const UniformSegment& piece : uniform.segments) {
       StateSegment& segment = states.segments[s];
+      segment.window.assign(segment.samples.size(), static_cast<int>(r));
       const auto measured = [&](types::Signal signal) -> Eigen::VectorXd {
         return motion.raw ? AsMeasured(runs[r], piece, signal) : piece.signals.at(signal);
       };

@@ -13,7 +13,8 @@
 // reversals too; but where the declared play is a small part of what the difference does
 // (kSmallPlay of its middle four fifths), every moving row counts, and the play is noise. Teeth
 // that only ever touch on one side show all but the play itself. The measured side is not filtered:
-// an average over the play would be a side of its own. Pure; allocates; throws
+// an average over the play would be a side of its own. An encoder is set to zero anew when it
+// starts, so only changes within a recording count: each is a window. Pure; allocates; throws
 // std::invalid_argument as MakeStates.
 #pragma once
 

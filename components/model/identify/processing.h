@@ -49,8 +49,8 @@ struct StateSegment {
   std::vector<double> from_contact_s;
   bool held = false;              // rows are holds: no motion between them, nothing to filter
   Eigen::MatrixXd rigid_columns;  // Run::rigid_columns; may be empty
-  // Windows within which only changes count (gas.h), numbered over all segments; -1: in none.
-  // Empty: there are no windows.
+  // Windows within which only changes count (gas.h, kinematic.h), numbered over all segments; -1:
+  // in none. Empty: there are no windows.
   std::vector<int> window;
   Eigen::Index size() const { return static_cast<Eigen::Index>(samples.size()); }
 };

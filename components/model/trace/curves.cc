@@ -164,6 +164,7 @@ std::vector<Curve> FreeCurves(const identify::Design& design, effects::Balance b
   const std::vector<Eigen::Index> used = design.rows().UsedRows();
   std::vector<Curve> out;
   const auto add = [&](Curve curve) {
+    for (Eigen::Index c = 0; c < curve.columns.cols(); ++c) design.Centre(curve.columns.col(c));
     if (curve.columns.cols() > 0 && curve.columns.allFinite()) out.push_back(std::move(curve));
   };
   for (const Variable& variable : kVariables) {
@@ -175,8 +176,8 @@ std::vector<Curve> FreeCurves(const identify::Design& design, effects::Balance b
     add(Over(design, variable, used));
   }
   if (design.states().measured.contains("motor_position_rad")) add(OverMotorTurn(design));
-  // Every window has a level of its own already, and no time runs between holds.
-  if (!design.rows().window.empty() || design.held()) return out;
+  // Every window of a chamber has a level of its own already, and no time runs between holds.
+  if (balance == effects::Balance::kGas || design.held()) return out;
   add(OverTime(design, One, "", used));
   add(OverTime(design, Direction, kByDirection, used));
   add(OverTime(design, CosineOfAngle, " times the cosine of the angle", used));

@@ -292,6 +292,7 @@ identify::FitResult FitWhitened(const identify::Design& design, const Likelihood
   const double quantile =
       identify::StudentQuantile(0.975, static_cast<double>(used.blocks.size() - 1));
   const auto set = [&](const ParameterRef& ref, Eigen::Index i) {
+    if (out.balance.columns.col(i).isZero(0.0)) return;  // nothing is known of it
     out.model.terms[static_cast<std::size_t>(ref.term)]
         .linear[static_cast<std::size_t>(ref.linear)]
         .half_width_95 = quantile * std::sqrt(std::max(0.0, out.covariance(i, i)));

@@ -186,6 +186,35 @@ TEST(KinematicBalance, WithoutAnEffectNoneIsFoundAndTheOffsetIsFitted) {
   EXPECT_NEAR(result.corrected.Parameter("encoder_offset", "offset"), 0.003, 1e-4);
 }
 
+// A motor's encoder that counts from where it was switched on, or is homed anew: its zero is that
+// of a recording.
+TEST(KinematicBalance, AZeroOfItsOwnInEveryRecordingIsNoEffectAndHidesNone) {
+  const double zeros[] = {0.02, -0.05, 0.08};
+  const auto trace_of = [&](const JointModel& truth) {
+    std::vector<types::Run> runs;
+    for (std::uint64_t k = 0; k < 3; ++k) {
+      runs.push_back(Record(truth, 40 + k));
+      runs.back().signals.at(Signal::kMotorPosition).array() +=
+          Rig().constants.gear_ratio * zeros[k];
+    }
+    return trace::CloseLoop({runs[0], runs[1]}, {runs[2]}, Rig(), 0.25, {}).trace;
+  };
+  const trace::TraceResult plain = trace_of(Rig());
+  EXPECT_EQ(plain.verdict, trace::Verdict::kNone);
+  // Errors are those of changes within a recording: far below the zeros.
+  ASSERT_EQ(plain.balances.size(), 1u);
+  EXPECT_LT(plain.balances[0].after_held_out.rms, 1e-3);
+  // The offset is that of the training recordings, no better known than they differ.
+  const actuator::Term& offset =
+      plain.corrected.terms[static_cast<std::size_t>(plain.corrected.Find("encoder_offset"))];
+  EXPECT_NEAR(offset.linear[0].value, 0.003 + 0.5 * (zeros[0] + zeros[1]), 1e-3);
+  EXPECT_GT(offset.linear[0].half_width_95.value(), 0.035);
+
+  const trace::TraceResult wider = trace_of(With("backlash_width", {0.002}));
+  ASSERT_EQ(wider.effects.size(), 1u);
+  EXPECT_EQ(wider.effects.front().name, "backlash_width");
+}
+
 // What is added to a declared compliance may be negative: their sum may not.
 TEST(KinematicBalance, TeethStifferThanDeclaredAreAComplianceBelowZero) {
   constexpr double kDeclared_rad_Nm = 6e-4, kTrue_rad_Nm = 1e-5;
