@@ -76,7 +76,8 @@ void AddCheckDataCommand(CLI::App& app) {
       app.add_subcommand("check-data", "Check recordings before a fit: faults and findings");
   close_loop::Options& loop = options->loop;
   loop.rig = RobotsFolder() / "rig";
-  command->add_option("recordings", loop.train, "Recordings: CSV or MCAP")->required();
+  command->add_option("recordings", loop.train, "Recordings: CSV, MCAP or bags of ROS 2")
+      ->required();
   command->add_option(
       "--model", loop.model,
       "Model file (sinew-model/1) or a laboratory's rig.json; the rig's by default");

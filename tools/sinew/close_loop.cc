@@ -117,7 +117,8 @@ void AddCloseLoopCommand(CLI::App& app) {
                       "Mapping of the held-out CSV files where it is another one");
   command
       ->add_option("--train", options.train,
-                   "Recordings to learn from: CSV or MCAP, FILE or FILE@START:END (seconds)")
+                   "Recordings to learn from: CSV, MCAP or a bag of ROS 2, FILE or FILE@START:END "
+                   "(seconds)")
       ->required();
   command->add_option(
       "--held-out,--sealed", options.held_out,

@@ -10,6 +10,7 @@
 
 #include "components/base/config/config.h"
 #include "components/base/types/json_text.h"
+#include "components/base/types/printable.h"
 #include "components/record/recording/file/import.h"
 #include "components/topics/node/topics.h"
 #include "tools/sinew/progress.h"
@@ -29,21 +30,23 @@ recording::TopicSchema FindSchema(std::string_view name) {
 
 void AddImportCommand(CLI::App& app) {
   struct Options {
-    std::vector<std::filesystem::path> csv;
+    std::vector<std::filesystem::path> files;
     std::filesystem::path map;
     std::filesystem::path out;
     bool overwrite = false;
     bool json = false;
   };
   auto options = std::make_shared<Options>();
-  CLI::App* command =
-      app.add_subcommand("import", "Measured CSV data and a mapping file into an MCAP recording");
-  command->add_option("csv", options->csv, "CSV files; each becomes a session of the recording")
-      ->required();
+  CLI::App* command = app.add_subcommand(
+      "import", "Measured data into an MCAP recording: CSV files by a mapping, bags of ROS 2");
   command
-      ->add_option("--map", options->map,
-                   "Mapping file (sinew-csv-map/1): column, signal, unit, sign")
+      ->add_option("files", options->files,
+                   "CSV files; bags of ROS 2: a folder, .mcap or .db3. Each becomes a session of "
+                   "the recording")
       ->required();
+  command->add_option("--map", options->map,
+                      "Mapping file (sinew-csv-map/1): column, signal, unit, sign; for a bag, when "
+                      "left out, all joints of its JointState topic, effort as torque");
   command->add_option("--out", options->out, "The recording to write, FILE.mcap")->required();
   command->add_flag("--overwrite", options->overwrite, "Replace the file if it is there");
   command->add_flag("--json", options->json, "Result as JSON");
@@ -51,17 +54,19 @@ void AddImportCommand(CLI::App& app) {
       "The recording holds joint_state, actuator_state and reference messages; every number is "
       "kept bit by\n"
       "bit. It is written as a whole or not at all. Formats: docs/formats.md.\n\nExample:\n"
-      "  sinew import data.csv --map csv_map.yaml --out data.mcap");
+      "  sinew import data.csv --map csv_map.yaml --out data.mcap\n"
+      "  sinew import rosbag2_folder --out data.mcap");
   command->callback([options] {
     if (!options->overwrite && std::filesystem::exists(options->out)) {
       throw UsageError(options->out.string() +
                        ": is there already, expected a new name (or --overwrite)");
     }
     ProgressBar bar("import", "samples", 0);
-    const recording::ImportResult result = recording::ImportCsv(
-        options->csv, options->map, options->out, FindSchema,
+    const recording::ImportResult result = recording::ImportFiles(
+        options->files, options->map, options->out, FindSchema,
         [&bar](std::uint64_t done, std::uint64_t all) { bar.Update(done, all); });
     bar.Finish();
+    for (const std::string& note : result.notes) std::cerr << types::Printable(note) << '\n';
     if (options->json) {
       std::cout << types::JsonText(nlohmann::ordered_json{{"file", options->out.string()},
                                                           {"sessions", result.runs},

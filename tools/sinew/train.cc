@@ -20,6 +20,7 @@
 #include "components/learn/esn/training.h"
 #include "components/model/actuator/file/model_file.h"
 #include "components/record/recording/file/recording_path.h"
+#include "components/record/recording/file/ros_bag.h"
 #include "components/record/recording/file/run_reader.h"
 #include "tools/sinew/printed.h"
 
@@ -30,8 +31,9 @@ std::vector<types::Run> ReadAll(const std::vector<std::filesystem::path>& paths,
                                 const TrainOptions& options, int joint) {
   std::vector<types::Run> runs;
   for (const std::filesystem::path& path : paths) {
-    for (types::Run& run : recording::ReadRuns(
-             path, options.map, recording::ParseRecordingPath(path).IsMcap() ? joint : 0)) {
+    const recording::RecordingPath given = recording::ParseRecordingPath(path);
+    const bool csv = !given.IsMcap() && !recording::IsRosBag(given.file);
+    for (types::Run& run : recording::ReadRuns(path, options.map, csv ? 0 : joint)) {
       runs.push_back(std::move(run));
     }
   }

@@ -61,8 +61,7 @@ std::vector<types::Run> ReadJoint(const std::vector<fs::path>& files, const fs::
                                   int joint) {
   std::vector<types::Run> runs;
   for (const fs::path& file : files) {
-    const bool csv = !recording::ParseRecordingPath(file).IsMcap();
-    for (types::Run& run : recording::ReadRuns(file, csv ? map : fs::path(), joint)) {
+    for (types::Run& run : recording::ReadRuns(file, map, joint)) {
       run.name = fs::path(run.name).filename().string();
       RequireAngle(run);
       runs.push_back(identify::WithoutInterpolatedRows(std::move(run)));

@@ -31,8 +31,21 @@ struct CsvTable {
   std::vector<std::string> columns;     // asked for, in that order
   std::vector<Eigen::VectorXd> values;  // as columns
   std::vector<int> lines;               // line number of each row, for messages about it
+  std::string row = ":";                // stands between name and number of a row
   // A column of time has dates, then its values are seconds since 1970, or times of day: seconds.
   bool has_dates = false, has_times_of_day = false;
+};
+
+// Rows of named columns that a mapping (csv_map.h) is applied to: a CSV text, or a bag of ROS 2
+// (ros_table.h).
+class TableSource {
+ public:
+  virtual ~TableSource() = default;
+  // Names of its columns, among them `columns` where it has these.
+  virtual std::vector<std::string> Header(const std::vector<std::string>& columns) const = 0;
+  // skipped, times: as in ReadCsv.
+  virtual CsvTable Read(const std::vector<std::string>& columns, Eigen::Index skipped,
+                        std::size_t times) const = 0;
 };
 
 // Names of the header line, which has all of `columns`, or else is the first line.
@@ -45,5 +58,24 @@ std::vector<std::string> CsvHeader(std::string_view text, const std::string& nam
 CsvTable ReadCsv(std::string_view text, const std::string& name,
                  const std::vector<std::string>& columns, const CsvFormat& format = {},
                  Eigen::Index skipped = 0, std::size_t times = 0);
+
+class CsvText : public TableSource {
+ public:
+  // Keeps references.
+  CsvText(std::string_view text, const std::string& name, const CsvFormat& format)
+      : text_(text), name_(name), format_(format) {}
+  std::vector<std::string> Header(const std::vector<std::string>& columns) const override {
+    return CsvHeader(text_, name_, columns, format_);
+  }
+  CsvTable Read(const std::vector<std::string>& columns, Eigen::Index skipped,
+                std::size_t times) const override {
+    return ReadCsv(text_, name_, columns, format_, skipped, times);
+  }
+
+ private:
+  std::string_view text_;
+  const std::string& name_;
+  const CsvFormat& format_;
+};
 
 }  // namespace sinew::recording

@@ -31,14 +31,20 @@ namespace {
 constexpr std::string_view kJointMark = "{joint}";
 constexpr double kDay_s = 86400.0;
 
-std::string ColumnName(const std::string& pattern, int joint) {
+// What "{joint}" stands for.
+std::string JointMark(const CsvMap& map, int joint) {
+  return map.joint_names.empty() ? std::to_string(joint + 1)
+                                 : map.joint_names[static_cast<std::size_t>(joint)];
+}
+
+std::string ColumnName(const std::string& pattern, const std::string& joint) {
   const std::size_t at = pattern.find(kJointMark);
   if (at == std::string::npos) return pattern;
-  return std::string(pattern).replace(at, kJointMark.size(), std::to_string(joint + 1));
+  return std::string(pattern).replace(at, kJointMark.size(), joint);
 }
 
 // The columns that it is made of, in the order in which Cell takes them.
-std::vector<std::string> ColumnsOf(const ColumnMap& map, int joint) {
+std::vector<std::string> ColumnsOf(const ColumnMap& map, const std::string& joint) {
   std::vector<std::string> columns;
   for (const Summand& summand : map.sum) columns.push_back(ColumnName(summand.column, joint));
   for (const std::string& factor : map.times) columns.push_back(ColumnName(factor, joint));
@@ -46,7 +52,7 @@ std::vector<std::string> ColumnsOf(const ColumnMap& map, int joint) {
 }
 
 // Where each column of the mapping is in the table; `names` grows by those that are new.
-std::vector<std::size_t> FindColumns(const ColumnMap& map, int joint,
+std::vector<std::size_t> FindColumns(const ColumnMap& map, const std::string& joint,
                                      const std::vector<std::string>& header,
                                      const std::string& file, std::vector<std::string>* names) {
   std::vector<std::size_t> at;
@@ -64,7 +70,7 @@ std::vector<std::size_t> FindColumns(const ColumnMap& map, int joint,
   return at;
 }
 
-std::vector<std::string> ColumnsOf(const CsvMap& map, int joint) {
+std::vector<std::string> ColumnsOf(const CsvMap& map, const std::string& joint) {
   std::vector<std::string> names;
   if (map.row_period_s == 0.0) names = ColumnsOf(map.time, joint);
   for (const SignalColumn& signal : map.signals) {
@@ -112,20 +118,26 @@ Eigen::VectorXd Stamps(const CsvTable& table, const ColumnMap& map,
 
 types::Run ReadCsvRun(std::string_view text, const std::string& name, const CsvMap& map,
                       int joint) {
+  return ReadRun(CsvText(text, name, map.format), name, map, joint);
+}
+
+types::Run ReadRun(const TableSource& source, const std::string& name, const CsvMap& map,
+                   int joint) {
   if (joint < 0 || joint >= map.joints) {
     throw std::invalid_argument(name + ": joint " + std::to_string(joint) +
                                 " is asked for, the mapping " + map.name +
                                 " describes joints 0 to " + std::to_string(map.joints - 1));
   }
-  const std::vector<std::string> header = CsvHeader(text, name, ColumnsOf(map, joint), map.format);
+  const std::string mark = JointMark(map, joint);
+  const std::vector<std::string> header = source.Header(ColumnsOf(map, mark));
   std::vector<std::string> names;
   std::vector<std::size_t> time_columns;
   const bool numbered = map.row_period_s > 0.0;
-  if (!numbered) time_columns = FindColumns(map.time, joint, header, name, &names);
+  if (!numbered) time_columns = FindColumns(map.time, mark, header, name, &names);
   const std::vector<std::string> time_names = names;
   std::vector<std::vector<std::size_t>> signal_columns;
   for (const SignalColumn& signal : map.signals) {
-    signal_columns.push_back(FindColumns(signal.map, joint, header, name, &names));
+    signal_columns.push_back(FindColumns(signal.map, mark, header, name, &names));
   }
 
   if (names.empty()) {
@@ -140,16 +152,15 @@ types::Run ReadCsvRun(std::string_view text, const std::string& name, const CsvM
     while (map.row_period_s * static_cast<double>(skipped - first) < map.skipped_s) ++skipped;
   } else if (map.skipped_s > 0.0) {
     const Eigen::VectorXd time_s =
-        Stamps(ReadCsv(text, name, time_names, map.format, skipped, time_names.size()), map.time,
-               time_columns);
+        Stamps(source.Read(time_names, skipped, time_names.size()), map.time, time_columns);
     Eigen::Index first = 0;
     while (first < time_s.size() && time_s[first] < time_s[0] + map.skipped_s) ++first;
     skipped += first;
   }
-  const CsvTable table = ReadCsv(text, name, names, map.format, skipped, time_names.size());
+  const CsvTable table = source.Read(names, skipped, time_names.size());
   const Eigen::Index all = table.values.front().size();
   const auto line = [&](Eigen::Index row) {
-    return name + ":" + std::to_string(table.lines[static_cast<std::size_t>(row)]);
+    return name + table.row + std::to_string(table.lines[static_cast<std::size_t>(row)]);
   };
   Eigen::VectorXd time(all);
   if (!numbered) time = Stamps(table, map.time, time_columns);

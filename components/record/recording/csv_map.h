@@ -5,8 +5,8 @@
 //
 // with constant, scale and offset in the column's unit. Most cells are one column; a sum is a loss
 // between two sensors, a product a duty of a bus voltage. "{joint}" in a column's name is the
-// joint's number from 1 on, so that one mapping reads an arm. Reading of the YAML file:
-// file/csv_map_file.h.
+// joint's number from 1 on, or its name, so that one mapping reads an arm. Reading of the YAML
+// file: file/csv_map_file.h.
 #pragma once
 
 #include <string>
@@ -50,7 +50,8 @@ struct CsvMap {
   std::string name;  // of the mapping file
   types::JointKind kind = types::JointKind::kRotary;
   CsvFormat format;
-  int joints = 1;  // that "{joint}" counts
+  int joints = 1;                        // that "{joint}" counts
+  std::vector<std::string> joint_names;  // that "{joint}" stands for; empty: numbers
   // Rows at the start of a file that are left out, and those earlier than this after the first.
   Eigen::Index skipped_rows = 0;
   double skipped_s = 0.0;
@@ -61,9 +62,11 @@ struct CsvMap {
   std::vector<SignalColumn> signals;
 };
 
-// The run of one joint (from 0 on) that a CSV text holds. Time must rise strictly; times of day go
-// on past midnight. Throws
-// std::invalid_argument with one line that names file, line and column.
+// The run of one joint (from 0 on) that a table or a CSV text holds. Time must rise strictly; times
+// of day go on past midnight. Throws std::invalid_argument with one line that names file, line and
+// column.
+types::Run ReadRun(const TableSource& source, const std::string& name, const CsvMap& map,
+                   int joint = 0);
 types::Run ReadCsvRun(std::string_view text, const std::string& name, const CsvMap& map,
                       int joint = 0);
 

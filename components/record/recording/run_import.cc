@@ -1,11 +1,13 @@
 #include "components/record/recording/run_import.h"
 
 #include <algorithm>
+#include <bit>
 #include <charconv>
 #include <cmath>
 #include <stdexcept>
 #include <vector>
 
+#include "components/base/types/joints.h"
 #include "components/base/types/seconds.h"
 #include "components/record/recording/csv_map.h"
 #include "components/record/recording/signal_fields.h"
@@ -56,88 +58,138 @@ double SecondsFromStamp(std::int64_t stamp_ns) { return static_cast<double>(stam
 RunImporter::RunImporter(const FindSchema& find_schema, McapWriter& writer)
     : find_schema_(find_schema), writer_(writer) {}
 
-IoStatus RunImporter::Add(const types::Run& run,
-                          const std::function<void(Eigen::Index)>& progress) {
-  const Eigen::Index rows = run.size();
-  if (rows < 2) throw std::invalid_argument("run '" + run.name + "' has fewer than 2 samples");
+std::vector<double> TimesOf(std::span<const types::Run> joints) {
+  std::vector<double> times_s;
+  for (const types::Run& run : joints) {
+    times_s.insert(times_s.end(), run.time_s.begin(), run.time_s.end());
+  }
+  std::sort(times_s.begin(), times_s.end());
+  times_s.erase(std::unique(times_s.begin(), times_s.end()), times_s.end());
+  return times_s;
+}
+
+// The median interval of times that a recording can have.
+static double CheckedPeriod(const std::vector<double>& times_s, const std::string& name) {
+  if (times_s.size() < 2) {
+    throw std::invalid_argument("run '" + name + "' has fewer than 2 samples");
+  }
+  if (times_s[0] < 0.0) {
+    throw std::invalid_argument("run '" + name + "' has time " + std::to_string(times_s[0]) +
+                                " s, expected 0 or later (the mapping's time may have an offset)");
+  }
   std::vector<double> intervals_s;
-  for (Eigen::Index row = 0; row < rows; ++row) {
-    if (run.time_s[row] < 0.0) {
-      throw std::invalid_argument(
-          "run '" + run.name + "' has time " + std::to_string(run.time_s[row]) +
-          " s, expected 0 or later (the mapping's time may have an offset)");
-    }
-    if (row == 0) continue;
-    intervals_s.push_back(run.time_s[row] - run.time_s[row - 1]);
-    if (StampFromSeconds(run.time_s[row]) <= StampFromSeconds(run.time_s[row - 1])) {
-      throw std::invalid_argument("run '" + run.name + "': samples " + std::to_string(row - 1) +
+  for (std::size_t row = 1; row < times_s.size(); ++row) {
+    intervals_s.push_back(times_s[row] - times_s[row - 1]);
+    if (StampFromSeconds(times_s[row]) <= StampFromSeconds(times_s[row - 1])) {
+      throw std::invalid_argument("run '" + name + "': samples " + std::to_string(row - 1) +
                                   " and " + std::to_string(row) +
                                   " are less than a nanosecond apart");
     }
   }
   const auto middle = intervals_s.begin() + static_cast<std::ptrdiff_t>(intervals_s.size() / 2);
   std::nth_element(intervals_s.begin(), middle, intervals_s.end());
+  return *middle;
+}
 
-  const std::string hash = ContentHash(run);
+static std::uint64_t SessionOf(std::span<const types::Run> joints) {
   std::uint64_t session_id = 0;
-  std::from_chars(hash.data(), hash.data() + hash.size(), session_id, 16);
-  std::uint32_t measured_flags = 0;
+  for (std::size_t j = 0; j < joints.size(); ++j) {
+    const std::string hash = ContentHash(joints[j]);
+    std::uint64_t number = 0;
+    std::from_chars(hash.data(), hash.data() + hash.size(), number, 16);
+    session_id ^= std::rotl(number, static_cast<int>(j));
+  }
+  return session_id;
+}
+
+IoStatus RunImporter::OpenTopics(const std::vector<std::string>& names,
+                                 std::span<const types::Run> joints, std::vector<Topic*>* topics) {
+  const auto session_id = static_cast<std::int64_t>(SessionOf(joints));
+  for (const std::string& name : names) {
+    std::shared_ptr<Topic>& topic = topics_[name];
+    IoStatus status;
+    if (topic == nullptr) topic = std::make_shared<Topic>(find_schema_(name), &status, &writer_);
+    if (!status.ok()) return status;
+    topic->Clear();
+    topic->SetInt("header.session_id", session_id);
+    topic->SetInt("header.origin", kOriginReplay);
+    topic->SetInt("joint_count", static_cast<std::int64_t>(joints.size()));
+    topics->push_back(topic.get());
+  }
+  return IoStatus::Ok();
+}
+
+IoStatus RunImporter::Add(std::span<const types::Run> joints,
+                          const std::function<void(Eigen::Index)>& progress) {
+  const types::Run& first = joints.front();
+  if (joints.size() > static_cast<std::size_t>(types::kMaxJoints)) {
+    throw std::invalid_argument("run '" + first.name + "' has " + std::to_string(joints.size()) +
+                                " joints, expected at most " + std::to_string(types::kMaxJoints) +
+                                " (the mapping's joint_names may choose)");
+  }
+  const std::vector<double> times_s = TimesOf(joints);
+  const double period_s = CheckedPeriod(times_s, first.name);
+  std::vector<std::string> names = {"joint_state", "actuator_state"};
+  if (first.Has(types::Signal::kReferencePosition)) names.emplace_back("reference");
+  std::vector<Topic*> topics;
+  if (IoStatus status = OpenTopics(names, joints, &topics); !status.ok()) return status;
+
   struct Source {
     Topic* topic;
     CdrField field;
     const Eigen::VectorXd* values;
   };
-  std::vector<std::string> names = {"joint_state", "actuator_state"};
-  if (run.Has(types::Signal::kReferencePosition)) names.emplace_back("reference");
-  for (const std::string& name : names) {
-    if (topics_.contains(name)) continue;
-    IoStatus status;
-    auto topic = std::make_shared<Topic>(find_schema_(name), &status, &writer_);
-    if (!status.ok()) return status;
-    topics_.emplace(name, std::move(topic));
+  struct Joint {
+    const types::Run* run;
+    std::string valid;
+    std::vector<Source> sources{};
+    Eigen::Index next = 0;
+  };
+  std::vector<Joint> all;
+  std::uint32_t measured_flags = 0;
+  for (const types::Run& run : joints) {
+    const std::string index = std::string("[").append(std::to_string(all.size())).append("]");
+    Joint& joint = all.emplace_back(Joint{&run, "valid" + index});
+    for (const SignalField& field : SignalFields()) {
+      if (!run.Has(field.signal)) continue;
+      measured_flags |= types::SignalBit(field.signal);
+      Topic* topic = topics_.find(field.topic)->second.get();
+      joint.sources.push_back(
+          {topic, topic->Field(std::string(field.field) + index), &run.At(field.signal)});
+    }
+    topics[0]->SetInt("joint_kind" + index, run.kind == types::JointKind::kLinear ? 1 : 0);
   }
-  std::vector<Topic*> topics;
-  for (const std::string& name : names) {
-    Topic* topic = topics_.at(name).get();
-    topic->Clear();
-    topic->SetInt("header.session_id", static_cast<std::int64_t>(session_id));
-    topic->SetInt("header.origin", kOriginReplay);
-    topic->SetInt("joint_count", 1);
-    topics.push_back(topic);
-  }
-  std::vector<Source> sources;
-  for (const SignalField& field : SignalFields()) {
-    if (!run.Has(field.signal)) continue;
-    measured_flags |= types::SignalBit(field.signal);
-    Topic* topic = topics_.find(field.topic)->second.get();
-    sources.push_back(
-        {topic, topic->Field(std::string(field.field) + "[0]"), &run.At(field.signal)});
-  }
-  Topic& joint = *topics[0];
-  joint.SetInt("robot_state", kRobotArmed);
-  joint.Set("period_s", *middle);
-  joint.SetInt("joint_kind[0]", run.kind == types::JointKind::kLinear ? 1 : 0);
-  joint.SetInt("valid[0]", 1);
-  topics[1]->SetInt("valid[0]", 1);
+  topics[0]->SetInt("robot_state", kRobotArmed);
+  topics[0]->Set("period_s", period_s);
   topics[1]->SetInt("measured_flags", measured_flags);
 
-  for (Eigen::Index row = 0; row < rows; ++row) {
-    const std::int64_t stamp_ns = StampFromSeconds(run.time_s[row]);
-    for (const Source& source : sources)
-      source.field.Set(source.topic->message, (*source.values)[row]);
-    joint.Set("measured_period_s", row == 0 ? *middle : run.time_s[row] - run.time_s[row - 1]);
-    if (row + 1 == rows) joint.SetInt("last_tick", 1);
+  for (std::size_t row = 0; row < times_s.size(); ++row) {
+    const std::int64_t stamp_ns = StampFromSeconds(times_s[row]);
+    for (Joint& joint : all) {
+      const bool has_sample =
+          joint.next < joint.run->size() && joint.run->time_s[joint.next] == times_s[row];
+      for (int k = 0; k < 2; ++k) topics[k]->SetInt(joint.valid, has_sample ? 1 : 0);
+      if (!has_sample) continue;  // values stay the last known ones
+      for (const Source& source : joint.sources) {
+        source.field.Set(source.topic->message, (*source.values)[joint.next]);
+      }
+      ++joint.next;
+    }
+    topics[0]->Set("measured_period_s", row == 0 ? period_s : times_s[row] - times_s[row - 1]);
+    if (row + 1 == times_s.size()) topics[0]->SetInt("last_tick", 1);
     for (Topic* topic : topics) {
-      topic->SetInt("header.tick", row);
+      topic->SetInt("header.tick", static_cast<std::int64_t>(row));
       topic->SetInt("header.stamp_ns", stamp_ns);
-      if (topics.size() > 2 && topic == topics[2]) topic->SetInt("state_tick", row);
+      if (topics.size() > 2 && topic == topics[2]) {
+        topic->SetInt("state_tick", static_cast<std::int64_t>(row));
+      }
       IoStatus status =
           writer_.WriteMessage(topic->channel, log_offset_ns_ + stamp_ns, stamp_ns, topic->message);
       if (!status.ok()) return status;
     }
-    if (progress) progress(row + 1);
+    if (progress) progress(static_cast<Eigen::Index>(row + 1));
   }
-  log_offset_ns_ += StampFromSeconds(run.time_s[rows - 1]) + kGapNs;
+  log_offset_ns_ += StampFromSeconds(times_s.back()) + kGapNs;
   return IoStatus::Ok();
 }
 

@@ -6,6 +6,7 @@
 #include <sinew_idl/sensors.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -17,6 +18,7 @@
 #include "components/base/config/config.h"
 #include "components/record/recording/file/cdr_json.h"
 #include "components/record/recording/file/file_io.h"
+#include "components/record/recording/file/ros_bag.h"
 #include "components/record/recording/mcap_reader.h"
 #include "components/record/recording/mcap_writer.h"
 #include "components/record/recording/run_import.h"
@@ -137,6 +139,59 @@ TEST_F(Bag, HasJointsByNameAndNothingForALostOne) {
   EXPECT_EQ(message["position"], ordered_json({0.5, "NaN"}));
   EXPECT_EQ(message["velocity"], ordered_json({-0.25, "NaN"}));
   EXPECT_EQ(message["effort"], ordered_json({3.0, "NaN"}));
+}
+
+// By the reader of bags: RosTable.
+TEST_F(Bag, IsReadBackBitByBit) {
+  msg::JointState state;
+  state.joint_count(2);
+  state.valid().fill(true);
+  msg::Imu imu;
+  imu.valid(true);
+  msg::FootForce feet;
+  feet.valid()[5] = true;
+  constexpr int kMessages = 4;
+  for (int i = 0; i < kMessages; ++i) {
+    state.position_rad() = {1.0 / (i + 3), -2.0 / (i + 3)};
+    state.torque_Nm() = {7.0 / (i + 3), i == 2 ? NAN : 1.0};
+    imu.orientation_wxyz() = {0.1 * i, 0.2 * i, 0.3 * i, 0.4 * i};
+    imu.angular_velocity_rad_s() = {1.1 * i, 1.2 * i, 1.3 * i};
+    imu.acceleration_m_s2() = {2.1 * i, 2.2 * i, 2.3 * i};
+    feet.force_N()[5] = 3.1 * i;
+    Add(node::kJointState, state);
+    Add(node::kImu, imu);
+    Add(node::kFootForce, feet);
+  }
+  Write({{"hip", "left/knee"}, {}, "imu"});
+  std::vector<std::string> notes;
+  const recording::RosTable table = recording::ReadRosBag(folder_.path() / "bag", &notes);
+  EXPECT_THAT(notes, ElementsAre());
+  const std::string force = "/foot_force/left_1/";
+  const recording::CsvTable joints =
+      table.Read({"/joint_states/header/stamp", "/joint_states/left/knee/position",
+                  "/joint_states/left/knee/effort"},
+                 0, 1);
+  EXPECT_THAT(joints.lines, ElementsAre(1, 2, 4)) << "message 3 has a torque that is no number";
+  EXPECT_EQ(joints.values[0][1], static_cast<double>(kStart_ns + 3'000'000'000) / 1e9);
+  EXPECT_EQ(joints.values[1][2], -2.0 / 6);
+  const recording::CsvTable rates =
+      table.Read({"/imu/data/header/stamp", "/imu/data/orientation/w", "/imu/data/orientation/z",
+                  "/imu/data/angular_velocity/x", "/imu/data/angular_velocity/z",
+                  "/imu/data/linear_acceleration/y"},
+                 1, 1);
+  EXPECT_THAT(rates.lines, ElementsAre(2, 3, 4));
+  const recording::CsvTable forces = table.Read(
+      {force + "header/stamp", force + "wrench/force/z", force + "wrench/torque/z"}, 0, 1);
+  for (Eigen::Index row = 0; row < 3; ++row) {
+    const double i = static_cast<double>(row + 1);
+    EXPECT_EQ(rates.values[1][row], 0.1 * i);
+    EXPECT_EQ(rates.values[2][row], 0.4 * i);
+    EXPECT_EQ(rates.values[3][row], 1.1 * i);
+    EXPECT_EQ(rates.values[4][row], 1.3 * i);
+    EXPECT_EQ(rates.values[5][row], 2.2 * i);
+    EXPECT_EQ(forces.values[1][row + 1], 3.1 * i);
+    EXPECT_EQ(forces.values[2][row + 1], 0.0);
+  }
 }
 
 TEST_F(Bag, OfMoreJointsThanTheModelNamesIsRefused) {

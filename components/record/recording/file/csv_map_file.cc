@@ -78,6 +78,7 @@ void Describe(config::Fields& f, CsvMap& c) {
          {{"comma", ','}, {"semicolon", ';'}, {"tab", '\t'}, {"space", ' '}}, "between columns");
   f("header", c.format.header, "names of the columns where the file has no header");
   f("joints", c.joints, {1.0, 64.0}, "that {joint} counts");
+  f("joint_names", c.joint_names, "that {joint} stands for, in place of joints");
   f.Object("rows", "which count", [&](config::Fields& g) {
     g("skip", c.skipped_rows, config::kNotNegative, "rows at the start that are left out");
     g("held", c.held, "every row is a position held");
@@ -103,6 +104,9 @@ void Describe(config::Fields& f, CsvMap& c) {
     }
   });
   f.Require(!c.signals.empty(), "signals", "is empty, expected at least one signal");
+  f.Require(c.joint_names.empty() || c.joints == 1, "joints",
+            "beside 'joint_names', expected one of them");
+  if (!c.joint_names.empty()) c.joints = static_cast<int>(c.joint_names.size());
 }
 
 static CsvMap Named(CsvMap map, const std::string& name) {

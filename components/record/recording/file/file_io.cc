@@ -109,7 +109,8 @@ FileSource::FileSource(const std::filesystem::path& path) {
   if (::fstat(descriptor_, &info) != 0 || !S_ISREG(info.st_mode)) {
     const std::string reason = S_ISDIR(info.st_mode) ? "is a folder" : "is no plain file";
     ::close(descriptor_);
-    throw UsageError(path.string() + ": " + reason + ", expected a recording");
+    throw UsageError(path.string() + ": " + reason +
+                     ", expected a recording (`sinew import` makes one of a bag of ROS 2)");
   }
   size_ = static_cast<std::uint64_t>(info.st_size);
 }

@@ -5,6 +5,7 @@
 #include "components/record/recording/file/csv_map_file.h"
 #include "components/record/recording/file/file_io.h"
 #include "components/record/recording/file/recording_path.h"
+#include "components/record/recording/file/ros_bag.h"
 #include "components/record/recording/mcap_reader.h"
 #include "components/record/recording/run_builder.h"
 
@@ -15,6 +16,11 @@ namespace {
 std::vector<types::Run> ReadWhole(const RecordingPath& path, const std::filesystem::path& map,
                                   int joint) {
   const std::string name = path.file.string();
+  if (IsRosBag(path.file)) {
+    const RosTable table = ReadRosBag(path.file);
+    return {
+        ReadRun(table, name, map.empty() ? MapOfRosBag(table, path.file) : LoadCsvMap(map), joint)};
+  }
   if (path.IsMcap()) {
     FileSource source(path.file);
     const McapReader reader(source);

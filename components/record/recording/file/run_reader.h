@@ -1,4 +1,4 @@
-// Runs of measured signals from a file: CSV with a mapping, or an MCAP recording.
+// Runs of measured signals from a file: CSV or a bag of ROS 2 with a mapping, or an MCAP recording.
 #pragma once
 
 #include <filesystem>
@@ -10,6 +10,7 @@
 namespace sinew::recording {
 
 // CSV (any name that does not end in .mcap): one run; `map` must name a mapping file.
+// A bag of ROS 2 (ros_bag.h): one run; without `map` that of MapOfRosBag.
 // MCAP: one run per session (a start of the state provider, or an imported file), in file order;
 // `map` is not read and may be empty. A run's rows are the ticks that have a joint_state with a
 // valid joint and, where the recording has one, a valid actuator_state; signals are those that
@@ -19,7 +20,7 @@ namespace sinew::recording {
 // FILE@START:END reads the rows of that time alone (recording_path.h); of several sessions those
 // that have any.
 //
-// joint: index of the joint in a recording; CSV mappings describe one joint, so it must be 0 there.
+// joint: index of the joint in a recording, or of those that the mapping describes.
 // Throws UsageError naming the file and line, key or byte.
 std::vector<types::Run> ReadRuns(const std::filesystem::path& path,
                                  const std::filesystem::path& map = {}, int joint = 0);

@@ -81,8 +81,9 @@ TEST(CloseLoopOnEmps, ARecordingGivesTheSameFiguresAsItsCsv) {
   };
   Options options = EmpsOptions();
   const Result csv = CloseLoop(options);
-  recording::ImportCsv(options.train, options.map, folder.path() / "train.mcap", find_schema);
-  recording::ImportCsv(options.held_out, options.map, folder.path() / "held_out.mcap", find_schema);
+  recording::ImportFiles(options.train, options.map, folder.path() / "train.mcap", find_schema);
+  recording::ImportFiles(options.held_out, options.map, folder.path() / "held_out.mcap",
+                         find_schema);
   options.train = {folder.path() / "train.mcap"};
   options.held_out = {folder.path() / "held_out.mcap"};
   const Result mcap = CloseLoop(options);

@@ -120,7 +120,7 @@ TEST_F(Import, KeepsEverySignalBitByBitAndEveryFileASession) {
   const fs::path out = folder_ / "run.mcap";
   std::uint64_t reported = 0;
   const ImportResult result =
-      ImportCsv({a, b}, map, out, SchemaOf, [&reported](std::uint64_t done, std::uint64_t all) {
+      ImportFiles({a, b}, map, out, SchemaOf, [&reported](std::uint64_t done, std::uint64_t all) {
         reported = done;
         EXPECT_EQ(all, 1000u);
       });
@@ -143,7 +143,7 @@ TEST_F(Import, ARangeOfARecordingIsThatOfItsCsvAndSessionsOutsideAreLeftOut) {
   const fs::path a = Write("a.csv", "t,x\n0,1\n1,2\n2,3\n3,4\n");
   const fs::path b = Write("b.csv", "t,x\n100,1\n101,2\n102,3\n");
   const std::string out = folder_ / "run.mcap";
-  ImportCsv({a, b}, map, out, SchemaOf);
+  ImportFiles({a, b}, map, out, SchemaOf);
   const std::vector<types::Run> runs = ReadRuns(out + "@1:3");
   ASSERT_EQ(runs.size(), 1u);
   ExpectSame(ReadRuns(a.string() + "@1:3", map).at(0), runs[0]);
@@ -165,7 +165,7 @@ TEST_F(Import, LeavesOutASignalThatNoTopicCarriesAndTheContentIsTheSame) {
       "  position: {column: q, unit: rad}\n";
   const fs::path with = Write("with.yaml", map + "  supply_voltage: {column: u, unit: V}\n");
   const fs::path csv = Write("a.csv", "t,q,u\n0,1,7\n1,2,8\n2,3,7\n");
-  ImportCsv({csv}, with, folder_ / "run.mcap", SchemaOf);
+  ImportFiles({csv}, with, folder_ / "run.mcap", SchemaOf);
   const types::Run run = ReadRuns(folder_ / "run.mcap").at(0);
   EXPECT_FALSE(run.Has(Signal::kSupplyVoltage));
   EXPECT_EQ(run.content_hash, ReadRuns(csv, with).at(0).content_hash);
@@ -176,7 +176,7 @@ TEST_F(Import, StampsAreExactNanosecondsAndHeadersSayReplay) {
                              "schema: sinew-csv-map/1\nkind: linear\ntime: {column: t, unit: s}\n"
                              "signals:\n  position: {column: x, unit: m}\n");
   const fs::path csv = Write("a.csv", "t,x\n0.000000001,1\n0.123456789,2\n1234567.123456789,3\n");
-  ImportCsv({csv}, map, folder_ / "run.mcap", SchemaOf);
+  ImportFiles({csv}, map, folder_ / "run.mcap", SchemaOf);
   FileSource source(folder_ / "run.mcap");
   const McapReader reader(source);
   MessageFilter filter;
@@ -208,7 +208,7 @@ TEST_F(Import, KeepsMeasuredDataOfAnotherRig) {
             "signals:\n  position: {column: q_meas_m, unit: m}\n"
             "  drive_voltage: {column: u_V, unit: V}\n"
             "  reference_position: {column: q_ref_m, unit: m}\n");
-  ImportCsv({data}, map, folder_ / "run.mcap", SchemaOf);
+  ImportFiles({data}, map, folder_ / "run.mcap", SchemaOf);
   const types::Run expected = ReadRuns(data, map).at(0);
   const types::Run run = ReadRuns(folder_ / "run.mcap").at(0);
   ExpectSame(expected, run);
@@ -220,17 +220,17 @@ TEST_F(Import, RefusesTimeBeforeZeroAndLeavesNothingBehind) {
                              "schema: sinew-csv-map/1\nkind: linear\ntime: {column: t, unit: s}\n"
                              "signals:\n  position: {column: x, unit: m}\n");
   const fs::path csv = Write("a.csv", "t,x\n-1,1\n1,2\n");
-  EXPECT_THROW(ImportCsv({csv}, map, folder_ / "run.mcap", SchemaOf), UsageError);
+  EXPECT_THROW(ImportFiles({csv}, map, folder_ / "run.mcap", SchemaOf), UsageError);
   EXPECT_FALSE(fs::exists(folder_ / "run.mcap"));
   EXPECT_EQ(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()), 2);
-  EXPECT_THROW(ImportCsv({csv}, map, folder_ / "no/such/folder/run.mcap", SchemaOf), UsageError);
+  EXPECT_THROW(ImportFiles({csv}, map, folder_ / "no/such/folder/run.mcap", SchemaOf), UsageError);
 }
 
 TEST_F(Import, RunsSayWhatIsWrongWithAFile) {
   const fs::path map = Write("map.yaml", AllSignalsMap());
   const fs::path csv = Write("a.csv", AllSignalsCsv(300, 1));
   const fs::path out = folder_ / "run.mcap";
-  ImportCsv({csv}, map, out, SchemaOf);
+  ImportFiles({csv}, map, out, SchemaOf);
   const auto error_of = [](auto call) -> std::string {
     try {
       call();
@@ -255,7 +255,7 @@ TEST_F(Import, ReadsWhatIsThereOfACutOffRecording) {
   const fs::path map = Write("map.yaml", AllSignalsMap());
   const fs::path csv = Write("a.csv", AllSignalsCsv(1000, 1));
   const fs::path out = folder_ / "run.mcap";
-  ImportCsv({csv}, map, out, SchemaOf);
+  ImportFiles({csv}, map, out, SchemaOf);
   fs::resize_file(out, fs::file_size(out) / 2);
   const types::Run whole = ReadRuns(csv, map).at(0);
   const types::Run part = ReadRuns(out).at(0);
