@@ -28,9 +28,9 @@ Session ReadFile(const std::filesystem::path& path, const std::filesystem::path&
                  std::vector<std::string>* notes) {
   const std::string name = path.string();
   if (!IsRosBag(path)) {
+    const std::string text = config::ReadFile(path, config::kLargestData);
     if (map.empty()) throw UsageError(name + ": a CSV file needs a mapping, expected --map");
     const CsvMap csv_map = LoadCsvMap(map);
-    const std::string text = config::ReadFile(path, config::kLargestData);
     return ReadJoints(CsvText(text, name, csv_map.format), name, csv_map);
   }
   const RosTable table = ReadRosBag(path, notes);

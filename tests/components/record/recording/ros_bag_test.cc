@@ -422,6 +422,21 @@ TEST_F(RosBag, RefusesWhatIsNoMessageOfItsTypeByWhatWasExpected) {
                 HasSubstr(": message 2: column '/joint_states/header/stamp': time 17000"));
 }
 
+TEST_F(RosBag, IsAFolderAnSqliteFileOrAnMcapFileOfItsProfile) {
+  EXPECT_TRUE(IsRosBag(Write(Moving(3))));
+  EXPECT_TRUE(IsRosBag(Write(Moving(3)) / "1.mcap"));
+  EXPECT_TRUE(IsRosBag(Write(Moving(3), true) / "1.db3"));
+  EXPECT_FALSE(IsRosBag(Import(Write(Moving(3)))));
+  EXPECT_FALSE(IsRosBag(folder_.Write("short.mcap", "\x89MCAP0\r\n")));
+  EXPECT_FALSE(IsRosBag(folder_.Write("data.csv", "t,q\n0,1\n")));
+  try {
+    Import(folder_.Write("data.csv", "t,q\n0,1\n"));
+    FAIL() << "a CSV file was imported without a mapping";
+  } catch (const UsageError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("data.csv: a CSV file needs a mapping, expected --map"));
+  }
+}
+
 TEST_F(RosBag, RefusesABagWithoutSomethingToRead) {
   ExpectRefused(Write({}),
                 HasSubstr("has no message, expected some of sensor_msgs/msg/JointState"));
