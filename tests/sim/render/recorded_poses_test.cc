@@ -27,13 +27,17 @@ constexpr double kShift_m = 0.7;  // of the recorded base
 // The first state's stamp is an epoch time.
 constexpr std::int64_t kStart_ns = 1'700'000'000'000'000'000;
 
-// A file of idl/ that includes the header alone, as one text.
+// A file of idl/ as one text: each file that it includes stands in place of its include.
 std::string TopicIdl(const std::string& name) {
   const std::string folder = SINEW_SOURCE_DIR "/idl/";
   std::string text = config::ReadFile(folder + name);
-  const std::string include = "#include \"header.idl\"\n";
-  text.erase(text.find(include), include.size());
-  return config::ReadFile(folder + "header.idl") + text;
+  const std::string include = "#include \"";
+  for (std::size_t at = text.find(include); at != std::string::npos; at = text.find(include)) {
+    const std::size_t from = at + include.size(), to = text.find("\"\n", from);
+    const std::string file = text.substr(from, to - from);
+    text.replace(at, to + 2 - at, config::ReadFile(folder + file));
+  }
+  return text;
 }
 
 // The topic sim_body_truth as far as it is read.
