@@ -22,7 +22,7 @@ TEST(Formats, StateTheLimitsOfFiles) {
     EXPECT_THAT(document, HasSubstr("| " + what + " | " + std::to_string(limit)));
   };
   expect_row("configuration, deployment, model, URDF, weights: bytes", config::kLargestText);
-  expect_row("CSV tables, logs of a bus, meshes: bytes", config::kLargestData);
+  expect_row("CSV tables, files of a bag, logs of a bus, meshes: bytes", config::kLargestData);
   expect_row("values of a YAML file, aliases replaced", config::kMostYamlNodes);
   expect_row("its levels, aliases replaced", config::kMostYamlLevels);
   expect_row("elements of a URDF inside each other", arm::kMostXmlLevels);
