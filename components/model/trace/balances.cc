@@ -60,17 +60,21 @@ BalanceDesigns GasSight(const std::vector<types::Run>& train,
   return out;
 }
 
+// Rows of the encoders as they are, not freed of each recording's mean.
+identify::Design AsMeasured(const identify::Design& design) {
+  identify::StateSet states = design.states();
+  for (identify::StateSegment& segment : states.segments) segment.window.clear();
+  return {std::move(states), design.options()};
+}
+
 // Where the middle of the play is does not show in rows that are freed of each recording's mean:
 // the mean over the recordings of what the model leaves of the angles as they are, and, of several,
 // the half width of its 95 % interval by how they differ.
-void SetEncoderOffset(const identify::Design& train, actuator::JointModel* model) {
+void SetEncoderOffset(const identify::Design& as_measured, actuator::JointModel* model) {
   const int at = model->Find("encoder_offset", effects::Balance::kKinematic);
   if (at < 0) return;
   actuator::ParameterValue& offset = model->terms[static_cast<std::size_t>(at)].linear.front();
   if (offset.fixed) return;
-  identify::StateSet states = train.states();
-  for (identify::StateSegment& segment : states.segments) segment.window.clear();
-  const identify::Design as_measured(std::move(states), train.options());
   const Eigen::VectorXd left = identify::ErrorOf(as_measured, *model).residual;
   std::map<std::size_t, std::pair<double, double>> sums;  // by recording: sum, rows
   for (const Eigen::Index i : as_measured.rows().UsedRows()) {
@@ -119,7 +123,10 @@ TraceResult TraceBalance(effects::Balance balance, const std::vector<types::Run>
   try {
     if (sight.why_not.empty()) {
       TraceResult out = TraceByLikelihood(*sight.train, *sight.held_out, model, options);
-      for (auto* fitted : {&out.declared, &out.corrected}) SetEncoderOffset(*sight.train, fitted);
+      if (balance == effects::Balance::kKinematic) {
+        const identify::Design as_measured = AsMeasured(*sight.train);
+        for (auto* fitted : {&out.declared, &out.corrected}) SetEncoderOffset(as_measured, fitted);
+      }
       return out;
     }
   } catch (const identify::TooLittleData& error) {

@@ -11,6 +11,7 @@
 #include <sstream>
 #include <string>
 
+#include "components/model/trace/balances.h"
 #include "components/model/trace/close_loop.h"
 
 namespace sinew::trace {
@@ -181,6 +182,20 @@ TEST(GasBalance, WithoutAnEffectNoneIsFoundAndTheVolumeIs) {
   EXPECT_EQ(result.balances[0].unit, "bar");
   EXPECT_EQ(result.balances[0].unseen, "");
   EXPECT_NEAR(result.corrected.Parameter("gas_compression", "share"), 1.1, 0.04);
+}
+
+// What the chamber's balance leaves says nothing about the encoders.
+TEST(GasBalance, LeavesTheEncodersOffsetAsItIs) {
+  JointModel model = GasRig();
+  model.terms.push_back(actuator::MakeTerm("encoder_offset", model.constants));
+  model.terms.back().linear[0].value = 0.003;
+  const TraceResult result = TraceBalance(
+      Balance::kGas, {RecordGas(model, 50), RecordGas(model, 51)}, {RecordGas(model, 52)}, model,
+      {.state_cutoff_Hz = 20.0, .rest_velocity = 0.04}, {});
+  EXPECT_EQ(result.unseen, "");
+  for (const JointModel& fitted : {result.declared, result.corrected}) {
+    EXPECT_EQ(fitted.Parameter("encoder_offset", "offset"), 0.003);
+  }
 }
 
 struct HiddenGas {
