@@ -27,6 +27,11 @@ bool StandsFor(const Named& named, const TrueEffect& effect) {
   return Holds(effect.same_class, named.name) || Holds(named.rivals, effect.name);
 }
 
+bool StandsForAny(const Named& named, const Outcome& outcome) {
+  return std::any_of(outcome.effects.begin(), outcome.effects.end(),
+                     [&](const TrueEffect& effect) { return StandsFor(named, effect); });
+}
+
 bool SaysShift(const Outcome& outcome, const TrueEffect& effect) {
   return effect.absorbed && Holds(outcome.shift_causes, effect.name);
 }
@@ -150,13 +155,8 @@ std::vector<Printed> PrintedNames(const std::vector<Outcome>& outcomes) {
   std::vector<Printed> out;
   for (const Outcome& o : outcomes) {
     if (o.kind == "fault") continue;
-    const auto add = [&](const Named& named, bool in_model) {
-      const bool right = std::any_of(o.effects.begin(), o.effects.end(),
-                                     [&](const TrueEffect& e) { return StandsFor(named, e); });
-      out.push_back({named.p, right, in_model});
-    };
-    for (const Named& named : Standing(o)) add(named, true);
-    for (const Named& named : o.open) add(named, false);
+    for (const Named& named : Standing(o)) out.push_back({named.p, StandsForAny(named, o), true});
+    for (const Named& named : o.open) out.push_back({named.p, StandsForAny(named, o), false});
   }
   return out;
 }
@@ -230,10 +230,8 @@ bool RightFirst(const Outcome& outcome) {
 
 bool WrongName(const Outcome& outcome) {
   const std::vector<Named> found = Standing(outcome);
-  return std::any_of(found.begin(), found.end(), [&](const Named& named) {
-    return std::none_of(outcome.effects.begin(), outcome.effects.end(),
-                        [&](const TrueEffect& effect) { return StandsFor(named, effect); });
-  });
+  return std::any_of(found.begin(), found.end(),
+                     [&](const Named& named) { return !StandsForAny(named, outcome); });
 }
 
 Figures CountFigures(const std::vector<Outcome>& outcomes) {
@@ -288,21 +286,21 @@ std::string ReliabilityOf(const std::vector<Outcome>& outcomes) {
   struct Row {
     std::string name;
     double from, to;
+    bool open_too;
     int right = 0, all = 0;
     double sum = 0.0;  // of p
   };
   std::vector<Row> rows;
   for (int k = 0; k < 10; ++k) {
     rows.push_back({"p " + std::to_string(10 * k) + " to " + std::to_string(10 * k + 10) + " %",
-                    0.1 * k, 0.1 * (k + 1)});
+                    0.1 * k, 0.1 * (k + 1), true});
   }
-  rows.push_back({"named, p over 80 %", 0.8, 2.0});
-  rows.push_back({"named, p over 95 %", 0.95, 2.0});
+  rows.push_back({"named, p over 80 %", 0.8, 2.0, false});
+  rows.push_back({"named, p over 95 %", 0.95, 2.0, false});
   for (const Printed& printed : PrintedNames(outcomes)) {
     for (Row& row : rows) {
-      if (printed.p < row.from || printed.p >= row.to || (row.to > 1.5 && !printed.in_model)) {
-        continue;
-      }
+      if (printed.p < row.from || printed.p >= row.to) continue;
+      if (!printed.in_model && !row.open_too) continue;
       row.right += printed.right ? 1 : 0;
       ++row.all;
       row.sum += printed.p;

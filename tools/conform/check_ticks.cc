@@ -4,18 +4,12 @@
 #include <sstream>
 #include <vector>
 
+#include "components/base/types/median.h"
 #include "tools/conform/real_time_run.h"
 
 namespace sinew::conform {
 
 namespace {
-
-double Median(std::vector<double> values) {
-  if (values.empty()) return 0.0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 // What is wrong with the ticks of a topic's outputs; empty: nothing.
 std::string TickFault(const Window& window, const std::string& topic) {
@@ -114,7 +108,7 @@ void CheckTicks(RealTimeRun& run) {
       for (const Output* output : window.Of(topic.name)) latencies_s.push_back(output->latency_s);
     }
     if (latencies_s.empty()) continue;
-    median_s = Median(latencies_s);
+    median_s = types::UpperMedian(latencies_s);
     in_time = median_s < period_s;
   }
 

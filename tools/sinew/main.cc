@@ -1,8 +1,5 @@
 // The `sinew` command: one subcommand per file, listed here.
-#include <malloc.h>
-
 #include <CLI/CLI.hpp>
-#include <climits>
 #include <cstdlib>
 #include <exception>
 #include <iostream>
@@ -37,20 +34,11 @@ void AddVersionCommand(CLI::App& app) {
   });
 }
 
-// Memory that was freed is used again and not handed back: an analysis makes and drops large
-// matrices, and fresh pages for each of them took half of its time.
-void KeepMemory() {
-  mallopt(M_MMAP_MAX, 0);
-  mallopt(M_TRIM_THRESHOLD, INT_MAX);
-  mallopt(M_TOP_PAD, 64 << 20);
-}
-
 std::string FirstLine(const std::string& text) { return text.substr(0, text.find('\n')); }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  KeepMemory();
   const sinew::tools::PrintableOnly out(std::cout), error_out(std::cerr);
   sinew::node::internal::SetLogPattern("[%Y-%m-%d %H:%M:%S.%e] [%^%l%$] ");  // as spdlog has it
   CLI::App app("Distributed components for robots with SEA-PEA actuators", "sinew");

@@ -282,7 +282,9 @@ Rig DrawRig(std::uint64_t number) {
   const std::uint64_t families = third ? 3 : number < kSecondDraw ? 6 : 7;
   const auto drawn = static_cast<std::uint64_t>(
       Random(number / families, 77).Integer(0, static_cast<int>(families) - 1));
-  rig.family = static_cast<Family>((number + drawn) % families + (third ? 7 : 0));
+  rig.family =
+      static_cast<Family>((number + drawn) % families +
+                          static_cast<std::uint64_t>(third ? Family::kBelt : Family::kSeaPea));
   const double scale = random.LogUniform(0.1, 10.0);
   rig.rate_Hz = std::round(random.LogUniform(50.0, 1000.0));
   switch (rig.family) {

@@ -5,17 +5,12 @@
 #include <stdexcept>
 #include <string>
 
+#include "components/base/types/median.h"
 #include "components/model/identify/too_little_data.h"
 
 namespace sinew::identify {
 
 namespace {
-
-double Median(Eigen::VectorXd values) {
-  const Eigen::Index middle = values.size() / 2;
-  std::nth_element(values.begin(), values.begin() + middle, values.end());
-  return values[middle];
-}
 
 // Signals that keep their value until the next row.
 bool IsSwitch(types::Signal signal) {
@@ -140,7 +135,7 @@ UniformRun MakeUniform(const types::Run& run, double longest_gap_s, int fewest_r
                         " rows, expected at least 20");
   }
   const Eigen::VectorXd steps = time.tail(time.size() - 1) - time.head(time.size() - 1);
-  const double median = Median(steps);
+  const double median = types::UpperMedian(std::vector<double>(steps.begin(), steps.end()));
   UniformRun out;
   out.sampling.longest_step_s = steps.maxCoeff();
   out.sampling.even = true;

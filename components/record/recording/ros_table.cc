@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "components/base/types/joined.h"
+#include "components/base/types/median.h"
 #include "components/record/recording/cdr_walker.h"
 
 namespace sinew::recording {
@@ -17,45 +18,38 @@ constexpr const char* kJointState = "sensor_msgs/msg/JointState";
 constexpr const char* kTypes =
     "sensor_msgs/msg/JointState, sensor_msgs/msg/Imu, geometry_msgs/msg/WrenchStamped";
 
-// Numbers behind the header, as in the published .msg files; "" stands for a covariance. A
-// JointState has lists instead.
-const std::map<std::string, std::vector<std::string>>& Fields() {
-  static const std::map<std::string, std::vector<std::string>> kFields = {
+// A number of a message, and how many behind it are not read: a covariance.
+struct Field {
+  const char* name;
+  int unread = 0;
+};
+
+// Numbers behind the header, as in the published .msg files. A JointState has lists instead.
+const std::map<std::string, std::vector<Field>>& Fields() {
+  static const std::map<std::string, std::vector<Field>> kFields = {
       {kJointState, {}},
       {"geometry_msgs/msg/WrenchStamped",
-       {"wrench/force/x", "wrench/force/y", "wrench/force/z", "wrench/torque/x", "wrench/torque/y",
-        "wrench/torque/z"}},
+       {{"wrench/force/x"},
+        {"wrench/force/y"},
+        {"wrench/force/z"},
+        {"wrench/torque/x"},
+        {"wrench/torque/y"},
+        {"wrench/torque/z"}}},
       {"sensor_msgs/msg/Imu",
-       {"orientation/x",
-        "orientation/y",
-        "orientation/z",
-        "orientation/w",
-        "",
-        "",
-        "",
-        "",
-        "",
-        "",
-        "",
-        "",
-        "",
-        "angular_velocity/x",
-        "angular_velocity/y",
-        "angular_velocity/z",
-        "",
-        "",
-        "",
-        "",
-        "",
-        "",
-        "",
-        "",
-        "",
-        "linear_acceleration/x",
-        "linear_acceleration/y",
-        "linear_acceleration/z"}}};
+       {{"orientation/x"},
+        {"orientation/y"},
+        {"orientation/z"},
+        {"orientation/w", 9},
+        {"angular_velocity/x"},
+        {"angular_velocity/y"},
+        {"angular_velocity/z", 9},
+        {"linear_acceleration/x"},
+        {"linear_acceleration/y"},
+        {"linear_acceleration/z"}}}};
   return kFields;
 }
+
+constexpr const char* kLists[] = {"position", "velocity", "effort"};  // of a JointState
 
 IdlType Unbounded(IdlType::Kind kind) {
   IdlType type;
@@ -93,9 +87,9 @@ void RosTable::Decode(const Message& message, Topic* topic) {
     cells.rows.push_back(row);
     cells.values.push_back(value);
   };
-  for (const std::string& field : Fields().at(message.type)) {
-    const auto value = walker.Get<double>();
-    if (!field.empty()) put(field, value);
+  for (const Field& field : Fields().at(message.type)) {
+    put(field.name, walker.Get<double>());
+    for (int k = 0; k < field.unread; ++k) walker.Get<double>();
   }
   if (message.type == kJointState) {
     const auto names = GetList(&walker, [&] { return GetText(&walker); });
@@ -104,7 +98,7 @@ void RosTable::Decode(const Message& message, Topic* topic) {
         topic->joints.push_back(name);
       }
     }
-    for (const std::string field : {"position", "velocity", "effort"}) {
+    for (const std::string field : kLists) {
       const auto list = GetList(&walker, [&] { return walker.Get<double>(); });
       if (!list.empty() && list.size() != names.size()) {
         throw CdrError("'" + field + "' has " + std::to_string(list.size()) +
@@ -143,19 +137,16 @@ std::vector<RosTable::Joints> RosTable::joints() const {
   for (const auto& [name, topic] : topics_) {
     if (topic.type != kJointState) continue;
     out.push_back({name, topic.joints, {}});
-    for (const std::string field : {"position", "velocity", "effort"}) {
+    for (const std::string field : kLists) {
       bool all_have = true, any_moves = field == "position";
       for (const std::string& joint : topic.joints) {
         const auto cells = topic.columns.find(joint + "/" + field);
-        all_have = all_have && cells != topic.columns.end();
+        all_have = cells != topic.columns.end();
         if (!all_have) break;
-        const std::vector<double>& values = cells->second.values;
-        any_moves = any_moves || std::any_of(values.begin(), values.end(),
-                                             [](double value) { return value != 0.0; });
+        any_moves = any_moves || std::ranges::any_of(cells->second.values,
+                                                     [](double value) { return value != 0.0; });
       }
-      if (all_have && any_moves) {
-        out.back().fields.push_back(field);
-      }
+      if (all_have && any_moves) out.back().fields.push_back(field);
     }
   }
   return out;
@@ -239,9 +230,8 @@ Eigen::VectorXd RosTable::Interpolated(const Topics::value_type& topic, const st
                                 ": its time is not after the one before, expected strictly rising "
                                 "time");
   }
-  const auto middle = intervals_ns.begin() + static_cast<std::ptrdiff_t>(intervals_ns.size() / 2);
-  std::nth_element(intervals_ns.begin(), middle, intervals_ns.end());
-  const double longest_ns = kMostIntervals * static_cast<double>(*middle);
+  const double longest_ns =
+      kMostIntervals * static_cast<double>(types::UpperMedian(std::move(intervals_ns)));
   Eigen::VectorXd out = Eigen::VectorXd::Constant(static_cast<Eigen::Index>(at_ns.size()), kNone);
   for (std::size_t row = 0; row < at_ns.size(); ++row) {
     const auto after = std::upper_bound(stamps_ns.begin(), stamps_ns.end(), at_ns[row]);

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "components/base/types/joints.h"
+#include "components/base/types/median.h"
 #include "components/base/types/seconds.h"
 #include "components/record/recording/csv_map.h"
 #include "components/record/recording/signal_fields.h"
@@ -86,9 +87,7 @@ static double CheckedPeriod(const std::vector<double>& times_s, const std::strin
                                   " are less than a nanosecond apart");
     }
   }
-  const auto middle = intervals_s.begin() + static_cast<std::ptrdiff_t>(intervals_s.size() / 2);
-  std::nth_element(intervals_s.begin(), middle, intervals_s.end());
-  return *middle;
+  return types::UpperMedian(std::move(intervals_s));
 }
 
 static std::uint64_t SessionOf(std::span<const types::Run> joints) {

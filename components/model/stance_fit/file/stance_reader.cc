@@ -4,6 +4,7 @@
 #include <stdexcept>
 
 #include "components/base/config/config.h"
+#include "components/base/types/median.h"
 #include "components/model/identify/processing.h"
 #include "components/record/recording/file/recording_path.h"
 #include "components/record/recording/file/run_reader.h"
@@ -38,9 +39,7 @@ std::vector<RowNumbers> SharedRows(const std::vector<const Eigen::VectorXd*>& ti
 double MedianStep(const Eigen::VectorXd& time_s) {
   std::vector<double> steps;
   for (Eigen::Index i = 1; i < time_s.size(); ++i) steps.push_back(time_s[i] - time_s[i - 1]);
-  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
-  std::nth_element(steps.begin(), middle, steps.end());
-  return *middle;
+  return types::UpperMedian(std::move(steps));
 }
 
 types::Run RowsOf(const types::Run& run, const RowNumbers& rows) {

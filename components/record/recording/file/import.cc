@@ -80,13 +80,13 @@ ImportResult ImportFiles(const std::vector<std::filesystem::path>& paths,
     }
     RunImporter importer(find_schema, writer);
     for (const Session& session : sessions) {
+      const std::uint64_t before = done;
       Check(importer.Add(session,
                          [&](Eigen::Index row) {
-                           if (progress)
-                             progress(done + static_cast<std::uint64_t>(row), result.samples);
+                           done = before + static_cast<std::uint64_t>(row);
+                           if (progress) progress(done, result.samples);
                          }),
             out);
-      done += TimesOf(session).size();
     }
     Check(writer.Close(), out);
     Check(sink.Commit(), out);

@@ -4,6 +4,7 @@
 #include <map>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 
 #include "components/record/recording/cdr.h"
 #include "components/record/recording/run_import.h"
@@ -11,7 +12,7 @@
 
 namespace sinew::testing {
 
-inline recording::TopicSchema SchemaOf(const std::string& topic) {
+inline recording::TopicSchema SchemaOf(std::string_view topic) {
   static const std::map<std::string, std::string> kTypes = {
       {"joint_state", "sinew::msg::JointState"},
       {"actuator_state", "sinew::msg::ActuatorState"},
@@ -19,11 +20,12 @@ inline recording::TopicSchema SchemaOf(const std::string& topic) {
       {"component_status", "sinew::msg::ComponentStatus"},
       {"operator_command", "sinew::msg::OperatorCommand"}};
   for (const idl::EmbeddedType& type : idl::EmbeddedTypes()) {
-    if (type.type_name == kTypes.at(topic)) {
-      return {topic, std::string(type.type_name), std::string(type.text), std::string(type.hash)};
+    if (type.type_name == kTypes.at(std::string(topic))) {
+      return {std::string(topic), std::string(type.type_name), std::string(type.text),
+              std::string(type.hash)};
     }
   }
-  throw std::logic_error("no type for " + topic);
+  throw std::logic_error("no type for " + std::string(topic));
 }
 
 // A message with some fields set.

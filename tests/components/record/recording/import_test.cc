@@ -16,7 +16,7 @@
 #include "components/record/recording/mcap_reader.h"
 #include "components/record/recording/run_builder.h"
 #include "components/record/recording/signal_fields.h"
-#include "idl/embedded_idl.h"
+#include "tests/components/record/logger/messages.h"
 #include "tests/support/memory_io.h"
 #include "tests/support/skip.h"
 
@@ -24,26 +24,15 @@ namespace sinew::recording {
 namespace {
 
 namespace fs = std::filesystem;
+using sinew::testing::SchemaOf;
 using types::Signal;
 
-TopicSchema SchemaOf(std::string_view topic) {
-  const std::string type = topic == "joint_state"      ? "sinew::msg::JointState"
-                           : topic == "actuator_state" ? "sinew::msg::ActuatorState"
-                                                       : "sinew::msg::Reference";
-  for (const idl::EmbeddedType& embedded : idl::EmbeddedTypes()) {
-    if (embedded.type_name == type) {
-      return {std::string(topic), type, std::string(embedded.text), std::string(embedded.hash)};
-    }
-  }
-  throw std::invalid_argument("no type");
-}
-
-class Import : public testing::Test {
+class Import : public ::testing::Test {
  protected:
   void SetUp() override {
     folder_ =
-        fs::path(testing::TempDir()) /
-        ("import_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
+        fs::path(::testing::TempDir()) /
+        ("import_" + std::string(::testing::UnitTest::GetInstance()->current_test_info()->name()));
     fs::remove_all(folder_);
     fs::create_directories(folder_);
   }

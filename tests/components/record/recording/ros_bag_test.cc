@@ -19,13 +19,14 @@
 #include "components/record/recording/file/run_reader.h"
 #include "components/record/recording/mcap_reader.h"
 #include "components/record/recording/mcap_writer.h"
-#include "idl/embedded_idl.h"
+#include "tests/components/record/logger/messages.h"
 #include "tests/support/temporary_folder.h"
 
 namespace sinew::recording {
 namespace {
 
 namespace fs = std::filesystem;
+using sinew::testing::SchemaOf;
 using ::testing::AllOf;
 using ::testing::Contains;
 using ::testing::ElementsAre;
@@ -157,18 +158,6 @@ void WriteSqlite(const fs::path& path, const std::vector<Sent>& messages) {
   }
   run("COMMIT");
   sqlite3_close(database);
-}
-
-TopicSchema SchemaOf(std::string_view topic) {
-  const std::string type = topic == "joint_state"      ? "sinew::msg::JointState"
-                           : topic == "actuator_state" ? "sinew::msg::ActuatorState"
-                                                       : "sinew::msg::Reference";
-  for (const idl::EmbeddedType& embedded : idl::EmbeddedTypes()) {
-    if (embedded.type_name == type) {
-      return {std::string(topic), type, std::string(embedded.text), std::string(embedded.hash)};
-    }
-  }
-  throw std::invalid_argument("no type");
 }
 
 class RosBag : public ::testing::Test {
