@@ -90,7 +90,7 @@ class RecordedRig {
       if (options_.before) options_.before(operators_, cycle_.session_id(), tick);
       (void)cycle_.Begin(tick, 0);
       readers_.TakeOperatorCommands(tick);
-      publisher_.Publish(cycle_.Header(tick, 0), cycle_.state(), cycle_.last(tick),
+      publisher_.Publish(cycle_.Header(tick, 0), cycle_.state(), cycle_.fault(), cycle_.last(tick),
                          cycle_.period_s(), sensors_);
       for (const auto& [name, component] : components_) {
         if (options_.misses && options_.misses(name, tick)) continue;

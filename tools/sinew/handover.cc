@@ -13,6 +13,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "components/base/config/config.h"
@@ -69,6 +70,7 @@ class Handover {
         node_(options.node),
         states_(node_.MakeReader(node::kJointState)),
         statuses_(node_.MakeReader(node::kComponentStatus)),
+        sources_(node_.MakeReader(node::kCommandSource)),
         commands_(node_.MakeWriter(node::kOperatorCommand)) {}
 
   // Empty: done. Else why not.
@@ -79,8 +81,10 @@ class Handover {
     while (Clock::now() < end) {
       Listen();
       if (std::string why = NotToBe(); !why.empty()) return why;
-      // Strengths alone do not say it: the others may not have been discovered yet.
-      if (sent && !target_->standby() && HeardOfAll(TopicsOf(node_, options_.target))) return "";
+      // Strengths alone do not say it: the others may not have been discovered yet, and who was
+      // silent for a moment went below them again.
+      const std::map<std::string, bool> topics = TopicsOf(node_, options_.target);
+      if (sent && !target_->standby() && HeardOfAll(topics) && Obeyed(topics)) return "";
       if (state_ && target_ && commands_.matched_readers() > 0 && Clock::now() >= next_send) {
         sent = Send() || sent;
         next_send = Clock::now() + kRepeatHandover;
@@ -90,8 +94,11 @@ class Handover {
     const std::string domain = " in domain " + std::to_string(options_.node.domain_id);
     if (!target_) return "no participant '" + options_.target + "'" + domain;
     if (!state_) return "no state provider" + domain;
-    return sent ? "'" + options_.target + "' did not take over; see its log"
-                : "the command reached nobody";
+    if (!sent) return "the command reached nobody";
+    const std::string why = HeardOfAll(TopicsOf(node_, options_.target))
+                                ? ", though no writer is stronger: the state provider obeys another"
+                                : "";
+    return "'" + options_.target + "' did not take over" + why + "; see its log";
   }
 
   std::vector<std::string> topics() const {
@@ -103,9 +110,21 @@ class Handover {
  private:
   void Listen() {
     if (auto newest = states_.TakeLatest()) state_ = std::move(newest);
+    if (auto newest = sources_.TakeLatest()) source_ = std::move(newest);
     while (auto status = statuses_.TakeNext()) {
       if (status->name().to_string() == options_.target) target_ = *status;
     }
+  }
+
+  // By the state provider's word, which it gives of these two topics. It counts: each reader
+  // decides by itself whom it hears.
+  bool Obeyed(const std::map<std::string, bool>& topics) const {
+    const msg::CommandSource source = source_.value_or(msg::CommandSource());
+    const auto by = [&](std::string_view topic, const auto& participant) {
+      return !topics.contains(std::string(topic)) || participant.to_string() == options_.target;
+    };
+    return by(node::kJointCommand.name, source.joint_command_participant()) &&
+           by(node::kValveCommand.name, source.valve_command_participant());
   }
 
   // What no waiting changes.
@@ -135,9 +154,11 @@ class Handover {
   node::Node node_;
   node::Reader<msg::JointState> states_;
   node::Reader<msg::ComponentStatus> statuses_;
+  node::Reader<msg::CommandSource> sources_;
   node::Writer<msg::OperatorCommand> commands_;
   std::optional<msg::JointState> state_;
   std::optional<msg::ComponentStatus> target_;
+  std::optional<msg::CommandSource> source_;
 };
 
 void RunHandover(const HandoverOptions& options) {
