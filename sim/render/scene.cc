@@ -20,7 +20,7 @@ Isometry3d FrameOf(const std::vector<Isometry3d>& links, const RobotPose& pose, 
 std::vector<std::string> MovingJoints(const arm::Chain& chain) {
   std::vector<std::string> names;
   for (const arm::Body& body : chain.bodies) {
-    if (body.moves) names.push_back(body.joint_name);
+    if (arm::IsFree(body)) names.push_back(body.joint_name);
   }
   return names;
 }
@@ -42,14 +42,16 @@ std::vector<std::size_t> JointIndices(const arm::Chain& chain,
 std::vector<Isometry3d> LinkFrames(const arm::Chain& chain, const RobotPose& pose) {
   std::vector<Isometry3d> frames;
   frames.reserve(chain.bodies.size());
-  std::size_t joint = 0;
+  const std::vector<arm::Coordinate> coordinates = arm::CoordinatesOf(chain);
   for (const arm::Body& body : chain.bodies) {
     Isometry3d frame = FrameOf(frames, pose, body.parent) * body.parent_from_joint;
     if (body.moves) {
+      const arm::Coordinate& at = coordinates[frames.size()];
+      const auto joint = static_cast<std::size_t>(at.joint);
       if (joint >= pose.joint_rad.size()) {
         throw std::invalid_argument("joint '" + body.joint_name + "' has no position");
       }
-      const double position = pose.joint_rad[joint++];
+      const double position = at.multiplier * pose.joint_rad[joint] + at.offset;
       if (body.prismatic) {
         frame.translate(position * body.axis);
       } else {

@@ -40,7 +40,7 @@ struct RobotPose {
   std::vector<double> joint_rad;  // as MovingJoints; m of a prismatic joint
 };
 
-// Names of the joints that move, in the order of the chain.
+// Names of the joints that move and mimic no other, in the order of the chain.
 std::vector<std::string> MovingJoints(const arm::Chain& chain);
 
 // Index in MovingJoints of each name. Throws std::invalid_argument naming one that is not there.

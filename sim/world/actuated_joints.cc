@@ -32,13 +32,6 @@ double Quantised(double angle_rad, double counts) {
   return step * std::round(angle_rad / step);
 }
 
-// Place of a body among the moving ones.
-int MovingIndex(const arm::Chain& chain, int body) {
-  int index = 0;
-  for (int i = 0; i < body; ++i) index += chain.bodies[static_cast<std::size_t>(i)].moves ? 1 : 0;
-  return index;
-}
-
 }  // namespace
 
 void AddStops(double position_rad, double lower_rad, double upper_rad, JointLoad* load) noexcept {
@@ -53,12 +46,13 @@ void CheckModelOfChain(const arm::Chain& chain, const actuator::RobotModel& mode
     if (body < 0) {
       std::string known;
       for (const arm::Body& other : chain.bodies) {
-        if (other.moves) known += (known.empty() ? "" : ", ") + other.joint_name;
+        if (arm::IsFree(other)) known += (known.empty() ? "" : ", ") + other.joint_name;
       }
       throw std::invalid_argument("the model's joint '" + joint.name +
                                   "' is not in the URDF, which has: " + known);
     }
     const arm::Body& described = chain.bodies[static_cast<std::size_t>(body)];
+    arm::RequireFree(described);
     if (described.prismatic != (joint.kind == types::JointKind::kLinear)) {
       throw std::invalid_argument("joint '" + joint.name + "' is " +
                                   (described.prismatic ? "prismatic" : "revolute") +
@@ -70,7 +64,7 @@ void CheckModelOfChain(const arm::Chain& chain, const actuator::RobotModel& mode
     }
   }
   for (const arm::Body& body : chain.bodies) {
-    if (!body.moves || body.passive) continue;
+    if (!arm::IsFree(body) || body.passive) continue;
     const bool found = std::any_of(
         model.joints.begin(), model.joints.end(),
         [&](const actuator::JointModel& joint) { return joint.name == body.joint_name; });
@@ -91,6 +85,7 @@ ActuatedJoints::ActuatedJoints(const arm::Chain& chain, const actuator::RobotMod
   if (!configs.empty() && configs.size() != model.joints.size()) {
     throw std::invalid_argument("as many joint configurations as joints of the model are needed");
   }
+  const std::vector<arm::Coordinate> coordinates = arm::CoordinatesOf(chain);
   for (std::size_t j = 0; j < model.joints.size(); ++j) {
     const actuator::JointModel& of = model.joints[j];
     WorldJointConfig settings = configs.empty() ? WorldJointConfig{} : configs[j];
@@ -101,7 +96,7 @@ ActuatedJoints::ActuatedJoints(const arm::Chain& chain, const actuator::RobotMod
     Joint joint{.plant = plant::JointPlant(of, settings.plant),
                 .pneumatics = plant::PneumaticElement(settings.pneumatics),
                 .config = settings,
-                .chain_joint = MovingIndex(chain, body),
+                .chain_joint = coordinates[static_cast<std::size_t>(body)].joint,
                 .prismatic = described.prismatic,
                 .current_drive = of.Find("drive_voltage") < 0,
                 .lower = described.lower,

@@ -6,8 +6,8 @@
 //     load = Begin(joint, q, v, dt)      torque, added inertia and bounds of the impulse on the
 //     link End(joint, q', v', dt)             angle and velocity after the step
 //
-// Joints are in the order of the model; chain_joint gives their place among the moving bodies of
-// the chain. Units: SI, a linear joint reads m for rad and N for Nm. Thread: one. Begin and End
+// Joints are in the order of the model; chain_joint gives their place among the free joints of the
+// chain. Units: SI, a linear joint reads m for rad and N for Nm. Thread: one. Begin and End
 // allocate nothing and do not throw.
 #pragma once
 
@@ -47,8 +47,8 @@ struct JointLoad {
 // the end. Elsewhere the bounds stay.
 void AddStops(double position_rad, double lower_rad, double upper_rad, JointLoad* load) noexcept;
 
-// Does the model fit the chain: every joint of it is a moving joint there, of the same kind, and
-// every other moving joint is passive (arm::Body::passive). Throws std::invalid_argument naming the
+// Does the model fit the chain: every joint of it is a free joint there, of the same kind, and
+// every other free joint is passive (arm::Body::passive). Throws std::invalid_argument naming the
 // joint.
 void CheckModelOfChain(const arm::Chain& chain, const actuator::RobotModel& model);
 

@@ -3,6 +3,7 @@
 //
 //     q'' = a0 + A tau,   a0: accelerations without joint torque (gravity, Coriolis),   A = H(q)^-1
 //
+// Joints are the free ones (arm::IsFree); inertia and weight of those that mimic them act on them.
 // Links are set up with their frame in the principal axes of their inertia, without damping, with
 // the gyroscopic term and without velocity limits, so that the equations are the textbook ones
 // (Featherstone: Rigid Body Dynamics Algorithms, ch. 7). Thread: one. Solve allocates nothing after
@@ -23,7 +24,7 @@ using JointMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen:
 
 class RigidChain {
  public:
-  // Joints in the order of the chain's moving bodies. gravity: world frame. Throws
+  // Joints in the order of the chain's bodies. gravity: world frame. Throws
   // std::invalid_argument when there are too many joints.
   explicit RigidChain(const arm::Chain& chain,
                       const Eigen::Vector3d& gravity_m_s2 = Eigen::Vector3d(0.0, 0.0, -9.81));

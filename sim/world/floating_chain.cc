@@ -14,8 +14,6 @@ namespace {
 // Bodies are triangular to rounding of decimal input, as in urdf_file.cc.
 constexpr double kTriangleSlack = 1e-3;
 
-Eigen::Vector3d ToEigen(const btVector3& v) { return {v.x(), v.y(), v.z()}; }
-
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
@@ -91,7 +89,7 @@ struct FloatingChain::Impl {
   };
   struct Constants {
     int parent = kBaseBody;
-    int joint = -1;
+    arm::Coordinate coordinate;
     bool prismatic = false, weightless = false;
     Eigen::Isometry3d parent_from_joint;
     Eigen::Vector3d axis, com;
@@ -107,14 +105,17 @@ struct FloatingChain::Impl {
   Eigen::VectorXd nu;                // of the last SetState
   std::vector<int> parents;          // FloatingChain::parents
   std::vector<Matrix6> composite;    // work space of Inertia, base first
-  btAlignedObjectArray<btScalar> scratch_r, force, response;
-  btAlignedObjectArray<btVector3> scratch_v;
-  btAlignedObjectArray<btMatrix3x3> scratch_m;
 
   const Link& link(int body) const { return links[static_cast<std::size_t>(body + 1)]; }
   Eigen::Vector3d base_lever() const { return links.front().com - links.front().origin; }
   Eigen::Vector3d ComVelocity(std::size_t i) const {
     return links[i].linear + links[i].angular.cross(links[i].com - links[i].origin);
+  }
+  void CopyResponse(Eigen::Ref<Eigen::VectorXd> to) noexcept {
+    to.head<kBaseFreedom>() = multi.response.head<kBaseFreedom>();
+    for (std::size_t j = 0; j < multi.joint_bodies.size(); ++j) {
+      to[kBaseFreedom + static_cast<Eigen::Index>(j)] = multi.response[multi.Entry(j)];
+    }
   }
   // Bullet's base velocity is that of the centre of mass.
   void SetVelocity() noexcept {
@@ -122,10 +123,7 @@ struct FloatingChain::Impl {
     const Eigen::Vector3d linear = nu.segment<3>(3) + angular.cross(base_lever());
     multi.body->setBaseOmega(ToBullet(angular));
     multi.body->setBaseVel(ToBullet(linear));
-    for (std::size_t j = 0; j < multi.joint_bodies.size(); ++j) {
-      multi.body->setJointVel(multi.joint_bodies[j],
-                              nu[kBaseFreedom + static_cast<Eigen::Index>(j)]);
-    }
+    multi.SetVelocities(nu.tail(nu.size() - kBaseFreedom));
   }
 };
 
@@ -141,10 +139,10 @@ FloatingChain::FloatingChain(const arm::Chain& chain, const Eigen::Vector3d& gra
                               .com = chain.base.com_m,
                               .mass = chain.base.mass_kg,
                               .inertia = chain.base.inertia_kg_m2});
-  int joint = 0;
-  for (const arm::Body& body : chain.bodies) {
+  for (std::size_t i = 0; i < chain.bodies.size(); ++i) {
+    const arm::Body& body = chain.bodies[i];
     impl_->constants.push_back({.parent = body.parent,
-                                .joint = body.moves ? joint++ : -1,
+                                .coordinate = impl_->multi.coordinates[i],
                                 .prismatic = body.prismatic,
                                 .weightless = body.weightless,
                                 .parent_from_joint = body.parent_from_joint,
@@ -158,16 +156,19 @@ FloatingChain::FloatingChain(const arm::Chain& chain, const Eigen::Vector3d& gra
   impl_->composite.resize(impl_->constants.size());
   for (int k = 0; k < kBaseFreedom; ++k) impl_->parents.push_back(k - 1);
   for (const Impl::Constants& body : impl_->constants) {
-    if (body.joint < 0) continue;
+    if (body.coordinate.joint < 0) continue;
+    if (&body - impl_->constants.data() - 1 != body.coordinate.body) continue;
+    if (impl_->multi.C.rows() > 0) {  // joints of other branches share entries of H: one branch
+      impl_->parents.push_back(static_cast<int>(impl_->parents.size()) - 1);
+      continue;
+    }
     const Impl::Constants* at = &impl_->constants[static_cast<std::size_t>(body.parent + 1)];
-    while (at->joint < 0 && at != impl_->constants.data()) {
+    while (at->coordinate.joint < 0 && at != impl_->constants.data()) {
       at = &impl_->constants[static_cast<std::size_t>(at->parent + 1)];
     }
-    impl_->parents.push_back(kBaseFreedom + at->joint);
+    impl_->parents.push_back(kBaseFreedom + at->coordinate.joint);
   }
   impl_->nu = Eigen::VectorXd::Zero(freedom());
-  impl_->force.resize(freedom());
-  impl_->response.resize(freedom());
   SetState(Rest());
 }
 
@@ -207,9 +208,10 @@ void FloatingChain::SetState(const FloatingState& state) noexcept {
       link.rotation.noalias() = parent.rotation * fixed.parent_from_joint.linear();
       link.origin = parent.origin + parent.rotation * fixed.parent_from_joint.translation();
       link.angular = parent.angular;
-      if (fixed.joint >= 0) {
-        const double q = state.joint_position_rad[fixed.joint];
-        const double rate = state.velocity[kBaseFreedom + fixed.joint];
+      const arm::Coordinate& by = fixed.coordinate;
+      if (by.joint >= 0) {
+        const double q = by.multiplier * state.joint_position_rad[by.joint] + by.offset;
+        const double rate = by.multiplier * state.velocity[kBaseFreedom + by.joint];
         const Eigen::Vector3d axis = link.rotation * fixed.axis;
         if (fixed.prismatic) {
           link.origin += q * axis;
@@ -221,6 +223,7 @@ void FloatingChain::SetState(const FloatingState& state) noexcept {
           link.rotation = turned;
           link.angular += rate * axis;
         }
+        link.motion *= by.multiplier;
         link.linear = parent.linear + parent.angular.cross(link.origin - parent.origin);
         if (fixed.prismatic) link.linear += rate * axis;
       } else {
@@ -235,10 +238,7 @@ void FloatingChain::SetState(const FloatingState& state) noexcept {
       btQuaternion(q.x(), q.y(), q.z(), q.w()) * impl.multi.base.frame.getRotation();
   multi.setBasePos(ToBullet(impl.links.front().com));
   multi.setWorldToBaseRot(principal_to_world.inverse());
-  for (std::size_t j = 0; j < impl.multi.joint_bodies.size(); ++j) {
-    multi.setJointPos(impl.multi.joint_bodies[j],
-                      state.joint_position_rad[static_cast<Eigen::Index>(j)]);
-  }
+  impl.multi.SetPositions(state.joint_position_rad);
   impl.SetVelocity();
 }
 
@@ -265,9 +265,10 @@ void FloatingChain::Jacobian(int body, const Eigen::Vector3d& point_m,
   jacobian.middleCols<3>(3).setIdentity();
   for (int at = body; at != kBaseBody;) {
     const Impl::Constants& fixed = impl_->constants[static_cast<std::size_t>(at + 1)];
-    if (fixed.joint >= 0) {
+    if (fixed.coordinate.joint >= 0) {
       const Vector6& motion = impl_->link(at).motion;
-      jacobian.col(kBaseFreedom + fixed.joint) = motion.tail<3>() + motion.head<3>().cross(arm);
+      jacobian.col(kBaseFreedom + fixed.coordinate.joint) +=
+          motion.tail<3>() + motion.head<3>().cross(arm);
     }
     at = fixed.parent;
   }
@@ -293,21 +294,23 @@ void FloatingChain::Inertia(std::span<const PointInertia> added,
   for (std::size_t i = impl.links.size() - 1; i > 0; --i) {
     const Impl::Constants& fixed = impl.constants[i];
     impl.composite[static_cast<std::size_t>(fixed.parent + 1)] += impl.composite[i];
-    if (fixed.joint < 0) continue;
+    if (fixed.coordinate.joint < 0) continue;
     const Vector6& motion = impl.links[i].motion;
     const Vector6 momentum = impl.composite[i] * motion;
-    const int row = kBaseFreedom + fixed.joint;
-    inertia(row, row) = motion.dot(momentum);
+    const int row = kBaseFreedom + fixed.coordinate.joint;
+    inertia(row, row) += motion.dot(momentum);
     for (int body = fixed.parent; body != kBaseBody;) {
       const Impl::Constants& before = impl.constants[static_cast<std::size_t>(body + 1)];
-      if (before.joint >= 0) {
-        const int column = kBaseFreedom + before.joint;
-        inertia(row, column) = inertia(column, row) = impl.link(body).motion.dot(momentum);
+      if (before.coordinate.joint >= 0) {
+        const int column = kBaseFreedom + before.coordinate.joint;
+        const double shared = impl.link(body).motion.dot(momentum);
+        inertia(row, column) += shared;
+        inertia(column, row) += shared;
       }
       body = before.parent;
     }
-    inertia.col(row).head<6>() = momentum;
-    inertia.row(row).head<6>() = momentum.transpose();
+    inertia.col(row).head<6>() += momentum;
+    inertia.row(row).head<6>() += momentum.transpose();
   }
   inertia.topLeftCorner<6, 6>() = impl.composite.front();
 }
@@ -371,15 +374,8 @@ void FloatingChain::Solve(const Eigen::Ref<const Eigen::VectorXd>& torque_Nm,
   for (std::size_t j = 0; j < impl.multi.joint_bodies.size(); ++j) {
     multi.addJointTorque(impl.multi.joint_bodies[j], torque_Nm[static_cast<Eigen::Index>(j)]);
   }
-  // Bullet adds dt x acceleration to the velocities; with dt = 1 the difference is the
-  // acceleration.
-  Eigen::Vector3d before = ToEigen(multi.getBaseVel());
-  multi.computeAccelerationsArticulatedBodyAlgorithmMultiDof(1.0, impl.scratch_r, impl.scratch_v,
-                                                             impl.scratch_m, false, false, false);
-  const btScalar* after = multi.getVelocityVector();
-  for (int k = 0; k < freedom(); ++k) acceleration[k] = after[k] - impl.nu[k];
-  for (int k = 0; k < 3; ++k) acceleration[3 + k] = after[3 + k] - before[k];
-  impl.SetVelocity();
+  impl.multi.Accelerate();
+  impl.CopyResponse(acceleration);
   const Eigen::Vector3d lever = impl.base_lever();
   const Eigen::Vector3d turning = acceleration.head<3>();
   const Eigen::Vector3d angular = impl.nu.head<3>();
@@ -389,22 +385,22 @@ void FloatingChain::Solve(const Eigen::Ref<const Eigen::VectorXd>& torque_Nm,
 void FloatingChain::Responses(Eigen::Ref<Eigen::MatrixXd> inverse_inertia) noexcept {
   Impl& impl = *impl_;
   const Eigen::Vector3d lever = impl.base_lever();
-  for (int k = 0; k < impl.force.size(); ++k) impl.force[k] = 0.0;
+  Eigen::VectorXd& force = impl.multi.force;
   for (int column = 0; column < freedom(); ++column) {
-    impl.force[column] = 1.0;
+    double& at = force[column < kBaseFreedom
+                           ? column
+                           : impl.multi.Entry(static_cast<std::size_t>(column - kBaseFreedom))];
+    at = 1.0;
     Eigen::Vector3d shifted = Eigen::Vector3d::Zero();
     if (column >= 3 && column < kBaseFreedom) {
       // A force at the origin has a moment about the centre of mass.
       shifted = -lever.cross(Eigen::Vector3d::Unit(column - 3));
-      for (int k = 0; k < 3; ++k) impl.force[k] = shifted[k];
+      force.head<3>() = shifted;
     }
-    impl.multi.body->calcAccelerationDeltasMultiDof(&impl.force[0], &impl.response[0],
-                                                    impl.scratch_r, impl.scratch_v);
-    impl.force[column] = 0.0;
-    for (int k = 0; k < 3; ++k) {
-      if (column >= 3) impl.force[k] = 0.0;
-    }
-    for (int k = 0; k < freedom(); ++k) inverse_inertia(k, column) = impl.response[k];
+    impl.multi.Respond();
+    at = 0.0;
+    force.head<3>().setZero();
+    impl.CopyResponse(inverse_inertia.col(column));
     const Eigen::Vector3d turning = inverse_inertia.col(column).head<3>();
     inverse_inertia.col(column).segment<3>(3) -= turning.cross(lever);
   }

@@ -68,7 +68,7 @@ class FloatingChain {
   int joint_count() const;
   int freedom() const { return kBaseFreedom + joint_count(); }
   int body_count() const;
-  // Body index of each joint, in joint order.
+  // Joints: the free ones (arm::IsFree). Body index of each, in joint order.
   const std::vector<int>& joint_bodies() const;
   // For every component of nu the one next to it on the way to the base, -1 for the first: those
   // before it on this way are all that it shares an entry of H with (TreeFactor).

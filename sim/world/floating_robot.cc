@@ -89,7 +89,8 @@ FloatingRobot::FloatingRobot(const FloatingRobotConfig& config)
   forces_.push_back({});  // the push
   contact_forces_.resize(contacts_.size());
   for (int c = 0; c < n; ++c) {
-    const arm::Body& body = merged_.chain.bodies[static_cast<std::size_t>(c)];
+    const int body_index = chain_.joint_bodies()[static_cast<std::size_t>(c)];
+    const arm::Body& body = merged_.chain.bodies[static_cast<std::size_t>(body_index)];
     if (!body.passive) continue;
     passive_.push_back(
         {.joint = c, .law = *body.passive, .lower = body.lower, .upper = body.upper});

@@ -27,6 +27,57 @@ Principal PrincipalOf(const Eigen::Vector3d& com_m, const Eigen::Matrix3d& inert
   return {ToBullet(frame), ToBullet(Eigen::Vector3d(solver.eigenvalues().cwiseMax(0.0)))};
 }
 
+void MultiBody::SetPositions(const Eigen::Ref<const Eigen::VectorXd>& position) noexcept {
+  for (std::size_t i = 0; i < coordinates.size(); ++i) {
+    const arm::Coordinate& at = coordinates[i];
+    if (at.joint < 0) continue;
+    body->setJointPos(static_cast<int>(i), at.multiplier * position[at.joint] + at.offset);
+  }
+}
+
+void MultiBody::SetVelocities(const Eigen::Ref<const Eigen::VectorXd>& velocity) noexcept {
+  for (std::size_t i = 0; i < coordinates.size(); ++i) {
+    const arm::Coordinate& at = coordinates[i];
+    if (at.joint < 0) continue;
+    body->setJointVel(static_cast<int>(i), at.multiplier * velocity[at.joint]);
+  }
+}
+
+void MultiBody::Accelerate() noexcept {
+  // Bullet adds dt x acceleration to the velocities: with dt = 1 the difference is the
+  // acceleration.
+  const Eigen::Map<const Eigen::VectorXd> velocity(body->getVelocityVector(), force.size());
+  force = velocity;
+  body->computeAccelerationsArticulatedBodyAlgorithmMultiDof(1.0, scratch_r, scratch_v, scratch_m,
+                                                             false, false, false);
+  response = velocity - force;
+  body->setBaseOmega({force[0], force[1], force[2]});
+  body->setBaseVel({force[3], force[4], force[5]});
+  for (int i = 0; i < body->getNumLinks(); ++i) {
+    if (body->getLink(i).m_dofCount > 0) body->setJointVel(i, force[EntryOf(i)]);
+  }
+  for (Eigen::Index row = 0; row < C.rows(); ++row) {
+    force = C.row(row).transpose();
+    body->calcAccelerationDeltasMultiDof(force.data(), A_Ct.col(row).data(), scratch_r, scratch_v);
+  }
+  force.setZero();
+  if (C.rows() == 0) return;
+  C_A_Ct.noalias() = C * A_Ct;
+  factor.compute(C_A_Ct);
+  Couple();
+}
+
+void MultiBody::Respond() noexcept {
+  body->calcAccelerationDeltasMultiDof(force.data(), response.data(), scratch_r, scratch_v);
+  if (C.rows() > 0) Couple();
+}
+
+void MultiBody::Couple() noexcept {
+  coupling.noalias() = C * response;
+  factor.solveInPlace(coupling);
+  response.noalias() -= A_Ct * coupling;
+}
+
 MultiBody MakeMultiBody(const arm::Chain& chain, const Eigen::Vector3d& gravity_m_s2,
                         bool fixed_base) {
   MultiBody out;
@@ -58,12 +109,24 @@ MultiBody MakeMultiBody(const arm::Chain& chain, const Eigen::Vector3d& gravity_
       multi.setupRevolute(i, body.mass_kg, moments, body.parent, rotation, axis, a.getOrigin(),
                           -b.getOrigin(), true);
     }
-    if (body.moves) out.joint_bodies.push_back(i);
+    if (arm::IsFree(body)) out.joint_bodies.push_back(i);
     const Eigen::Vector3d weight =
         body.weightless ? Eigen::Vector3d::Zero().eval() : (body.mass_kg * gravity_m_s2).eval();
     out.weight_N.push_back(ToBullet(weight));
   }
   multi.finalizeMultiDof();
+  out.coordinates = arm::CoordinatesOf(chain);
+  out.force = out.response = Eigen::VectorXd::Zero(6 + multi.getNumDofs());
+  const auto joints = static_cast<int>(out.joint_bodies.size());
+  out.C = Eigen::MatrixXd::Zero(multi.getNumDofs() - joints, out.force.size());
+  out.A_Ct = out.C.transpose();
+  out.C_A_Ct.resize(out.C.rows(), out.C.rows());
+  for (int i = 0, row = 0; i < count; ++i) {
+    const arm::Coordinate& at = out.coordinates[static_cast<std::size_t>(i)];
+    if (at.joint < 0 || at.body == i) continue;
+    out.C(row, out.EntryOf(i)) = 1.0;
+    out.C(row++, out.EntryOf(at.body)) = -at.multiplier;
+  }
   multi.setHasSelfCollision(false);
   multi.setLinearDamping(0.0);
   multi.setAngularDamping(0.0);

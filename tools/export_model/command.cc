@@ -136,8 +136,9 @@ void RunExportModel(const Options& options) {
     const arm::Chain chain = arm::ParseUrdf(urdf, file.robot.urdf_path);
     const DescribedRobot robot = Describe(file.robot, chain);
     costs = ReadCosts(options, file, chain, dropped);
-    remarks = MakeRemarks(format, file.robot, options.model.filename().string(), dropped, costs,
-                          NamesOf(options.recordings));
+    remarks =
+        MakeRemarks(format, file.robot, robot.links.chain.base, options.model.filename().string(),
+                    dropped, costs, NamesOf(options.recordings));
     text = format == Format::kMjcf   ? WriteMjcf(robot, remarks)
            : format == Format::kUrdf ? WriteUrdf(robot, urdf, remarks)
                                      : WriteSdf(robot, remarks);

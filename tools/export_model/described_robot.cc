@@ -230,6 +230,11 @@ DescribedRobot Describe(const actuator::RobotModel& robot, const arm::Chain& cha
   out.floating = robot.floating_base.has_value();
   const arm::Chain loaded = arm::WithPayloads(chain, robot.payloads);
   out.links = arm::MergeFixedLinks(loaded);
+  if (const arm::Base& base = out.links.chain.base; out.floating && !(base.mass_kg > 0.0)) {
+    throw std::invalid_argument("base link '" + base.link_name + "': mass " +
+                                ShortNumber(base.mass_kg) +
+                                ", expected kg above 0 for a floating base");
+  }
   for (const actuator::Payload& payload : robot.payloads) {
     LinkInertia changed{loaded.base.mass_kg, loaded.base.com_m, loaded.base.inertia_kg_m2};
     for (const arm::Body& body : loaded.bodies) {
@@ -244,16 +249,19 @@ DescribedRobot Describe(const actuator::RobotModel& robot, const arm::Chain& cha
       throw std::invalid_argument("joint '" + joint.name + "' is not in the URDF '" + chain.name +
                                   "'");
     }
+    arm::RequireFree(out.links.chain.bodies[static_cast<std::size_t>(index)]);
     out.joints.push_back(DescribeJoint(joint));
     const BodyTerms terms = BodyTermsOf(joint);
     if (!terms.inertia_kg_m2 && !terms.gravity_Nm) continue;
     arm::Body& body = out.links.chain.bodies[static_cast<std::size_t>(index)];
-    const bool carries = std::any_of(out.links.chain.bodies.begin(), out.links.chain.bodies.end(),
-                                     [&](const arm::Body& other) { return other.parent == index; });
+    const bool carries = std::any_of(
+        out.links.chain.bodies.begin(), out.links.chain.bodies.end(), [&](const arm::Body& other) {
+          return other.parent == index || (other.mimic && other.mimic->joint_name == joint.name);
+        });
     if (body.parent >= 0 || carries || out.floating) {
       throw std::invalid_argument("joint '" + joint.name +
                                   "': inertia and gravity as terms need a joint on the fixed base "
-                                  "that carries no other");
+                                  "that carries and moves no other");
     }
     out.gravity_m_s2 = joint.constants.gravity_m_s2;
     ScaleBody(joint, terms, out.gravity_m_s2, &body);

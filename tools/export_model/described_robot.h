@@ -86,7 +86,8 @@ struct DescribedRobot {
 // gravity or payload, the body is the URDF's, scaled in mass and length so that its inertia about
 // the joint and its weight's torque are the model's. Throws std::invalid_argument naming the joint:
 // one that the URDF lacks, a payload on a link that it lacks, a body on a moving base that the
-// model describes, gravity along another direction than the URDF's, negative inertia or friction.
+// model describes, gravity along another direction than the URDF's, negative inertia or friction, a
+// joint that mimics another, a floating base without mass.
 DescribedRobot Describe(const actuator::RobotModel& robot, const arm::Chain& chain);
 
 // In the order of the model's joints and terms.

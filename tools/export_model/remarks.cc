@@ -33,9 +33,9 @@ std::string Heading(Measure measure, const std::string& recordings) {
 
 }  // namespace
 
-Remarks MakeRemarks(Format format, const actuator::RobotModel& robot, const std::string& source,
-                    const std::vector<Dropped>& dropped, const Costs& costs,
-                    const std::string& recordings) {
+Remarks MakeRemarks(Format format, const actuator::RobotModel& robot, const arm::Base& base,
+                    const std::string& source, const std::vector<Dropped>& dropped,
+                    const Costs& costs, const std::string& recordings) {
   const std::string name(FormatName(format));
   Remarks remarks = {"Written by sinew export-model from " + source +
                      ". Units: m, kg, s, rad, N, N m."};
@@ -48,6 +48,12 @@ Remarks MakeRemarks(Format format, const actuator::RobotModel& robot, const std:
     remarks.push_back("Not in " + name + ": joint " + part.joint + ", " + part.effect + " (" +
                       part.parameters + ")" +
                       (i < costs.of.size() ? cost_text(costs.of[i]) : std::string()) + ".");
+  }
+  if (base.mass_kg > 0.0 && !robot.floating_base && format != Format::kUrdf) {
+    char mass[32];
+    std::snprintf(mass, sizeof mass, "%.6g", base.mass_kg);
+    remarks.push_back("Not in " + name + ": mass " + mass + " kg and inertia of the base link " +
+                      base.link_name + ", which is fixed to the world.");
   }
   for (std::size_t i = dropped.size(); i < costs.of.size(); ++i) {
     remarks.push_back("All of these of joint " + costs.of[i].joint + cost_text(costs.of[i]) + ".");

@@ -11,10 +11,10 @@
 
 namespace sinew::export_model {
 
-// source: the model file's name; costs: of `dropped`; recordings: names of the held-out ones,
-// empty: none was given, and costs are empty.
-Remarks MakeRemarks(Format format, const actuator::RobotModel& robot, const std::string& source,
-                    const std::vector<Dropped>& dropped, const Costs& costs,
-                    const std::string& recordings);
+// base: with all that is fixed to it. source: the model file's name; costs: of `dropped`;
+// recordings: names of the held-out ones, empty: none was given, and costs are empty.
+Remarks MakeRemarks(Format format, const actuator::RobotModel& robot, const arm::Base& base,
+                    const std::string& source, const std::vector<Dropped>& dropped,
+                    const Costs& costs, const std::string& recordings);
 
 }  // namespace sinew::export_model

@@ -28,7 +28,14 @@ class MjcfText {
     Children(-1, "      ");
     text_ += "    </body>\n  </worldbody>\n  <actuator>\n";
     for (const DescribedJoint& joint : robot_.joints) Actuator(joint);
-    return text_ + "  </actuator>\n</mujoco>\n";
+    text_ += "  </actuator>\n  <equality>\n";
+    for (const arm::Body& body : Chain().bodies) {
+      if (!body.mimic) continue;
+      text_ += "    <joint joint1=\"" + report::Escape(body.joint_name) + "\" joint2=\"" +
+               report::Escape(body.mimic->joint_name) + "\" polycoef=\"" +
+               XmlNumbers({body.mimic->offset, body.mimic->multiplier, 0.0, 0.0, 0.0}) + "\"/>\n";
+    }
+    return text_ + "  </equality>\n</mujoco>\n";
   }
 
  private:

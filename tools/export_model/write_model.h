@@ -17,15 +17,17 @@ using Remarks = std::vector<std::string>;
 
 // MuJoCo 2.2 XML, angles in radians. Links on fixed joints are sites of the body that carries them.
 // A drive is a motor: control is the torque at its shaft, N m, within its limit; where the model
-// has a servo, control is the set point, rad or m.
+// has a servo, control is the set point, rad or m. Joints that mimic others are equalities.
 std::string WriteMjcf(const DescribedRobot& robot, const Remarks& remarks);
 
-// SDF 1.9. Links on fixed joints are frames of the link that carries them; a fixed base is fixed to
-// the world.
+// SDF 1.9, of robots with joints that mimic others 1.11, which has these. Links on fixed joints are
+// frames of the link that carries them; a fixed base is fixed to the world.
 std::string WriteSdf(const DescribedRobot& robot, const Remarks& remarks);
 
 // The URDF of the model, its shapes and comments kept: `dynamics` and the limit's effort of every
-// joint of the model, inertial of the links that the model changes. Throws UsageError for
+// joint of the model, inertial of the links that the model changes, DefineMaterials. A joint with
+// the limits 0 and 0, which other readers lock, is continuous; a prismatic one has -1e16 and 1e16,
+// as far as SDF counts. Throws UsageError for
 // what is no XML, std::invalid_argument for a joint that it lacks.
 std::string WriteUrdf(const DescribedRobot& robot, const std::string& urdf, const Remarks& remarks);
 

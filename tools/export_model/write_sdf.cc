@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 
 #include "components/model/report/section.h"
@@ -51,6 +52,11 @@ std::string SdfJoint(const DescribedRobot& robot, const arm::Body& body,
           SdfElement("friction", joint.friction_Nm) +
           SdfElement("spring_reference", joint.spring_rest_rad) +
           SdfElement("spring_stiffness", joint.spring_Nm_rad) + "</dynamics>\n";
+  if (body.mimic) {
+    text += "        <mimic joint=\"" + report::Escape(body.mimic->joint_name) + "\">" +
+            SdfElement("multiplier", body.mimic->multiplier) +
+            SdfElement("offset", body.mimic->offset) + SdfElement("reference", 0.0) + "</mimic>\n";
+  }
   return text + "      </axis>\n    </joint>\n";
 }
 
@@ -62,7 +68,10 @@ std::string WriteSdf(const DescribedRobot& robot, const Remarks& remarks) {
   const auto link_name = [&](int body) {
     return body < 0 ? base : report::Escape(chain.bodies[static_cast<std::size_t>(body)].link_name);
   };
-  std::string text = "<?xml version=\"1.0\"?>\n<sdf version=\"1.9\">\n  <model name=\"" +
+  const bool mimics = std::any_of(chain.bodies.begin(), chain.bodies.end(),
+                                  [](const arm::Body& body) { return body.mimic.has_value(); });
+  std::string text = std::string("<?xml version=\"1.0\"?>\n<sdf version=\"") +
+                     (mimics ? "1.11" : "1.9") + "\">\n  <model name=\"" +
                      report::Escape(robot.name) + "\">\n";
   for (const std::string& remark : remarks) text += "    " + XmlComment(remark) + "\n";
   text += "    <link name=\"" + base + "\">\n" +

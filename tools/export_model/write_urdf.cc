@@ -1,3 +1,5 @@
+#include <algorithm>
+#include <cmath>
 #include <stdexcept>
 
 #include "components/bodies/links/file/xml_text.h"
@@ -6,6 +8,8 @@
 
 namespace sinew::export_model {
 namespace {
+
+constexpr double kNoLimit = 1e16;  // of SDF 1.9, joint limit
 
 TiXmlElement* Named(TiXmlElement* root, const char* kind, const std::string& name) {
   for (TiXmlElement* e = root->FirstChildElement(kind); e != nullptr;
@@ -51,6 +55,7 @@ std::string WriteUrdf(const DescribedRobot& robot, const std::string& urdf,
   arm::ParseXml(urdf, "the URDF", &document);
   TiXmlElement* root = document.RootElement();
   if (root == nullptr) throw std::invalid_argument("the URDF has no root element");
+  arm::DefineMaterials("the URDF", root);
   for (const DescribedJoint& joint : robot.joints) {
     TiXmlElement* element = Named(root, "joint", joint.name);
     if (element == nullptr) {
@@ -60,8 +65,21 @@ std::string WriteUrdf(const DescribedRobot& robot, const std::string& urdf,
     Set(dynamics, "damping", XmlNumber(joint.damping_Nm_s_rad));
     Set(dynamics, "friction", XmlNumber(joint.friction_Nm));
     if (joint.gear > 0.0 && joint.motor_torque_limit_Nm > 0.0) {
-      Set(ChildOf(element, "limit"), "effort", XmlNumber(joint.gear * joint.motor_torque_limit_Nm));
+      TiXmlElement* limit = ChildOf(element, "limit");
+      Set(limit, "effort", XmlNumber(joint.gear * joint.motor_torque_limit_Nm));
+      if (limit->Attribute("velocity") == nullptr) Set(limit, "velocity", XmlNumber(kNoLimit));
     }
+  }
+  for (const arm::Body& body : robot.links.chain.bodies) {
+    TiXmlElement* element = Named(root, "joint", body.joint_name);
+    if (element == nullptr || std::string(element->Attribute("type")) == "continuous") continue;
+    if (!body.prismatic && !std::isfinite(body.upper)) {
+      Set(element, "type", "continuous");
+      continue;
+    }
+    TiXmlElement* limit = ChildOf(element, "limit");
+    Set(limit, "lower", XmlNumber(std::max(body.lower, -kNoLimit)));
+    Set(limit, "upper", XmlNumber(std::min(body.upper, kNoLimit)));
   }
   for (const auto& [name, inertia] : robot.changed) {
     TiXmlElement* link = Named(root, "link", name);

@@ -3,11 +3,14 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
-#include <regex>
+#include <set>
+#include <string_view>
 
 #include "components/base/config/config.h"
 #include "components/bodies/links/file/urdf_file.h"
+#include "components/bodies/links/file/xml_text.h"
 #include "tools/view/page.h"
+#include "tools/view/routes.h"
 
 namespace sinew::live {
 
@@ -29,6 +32,15 @@ bool IsInside(const fs::path& file, const fs::path& folder) {
          folder.end();
 }
 
+constexpr std::size_t kMostWarnings = 10;
+constexpr std::string_view kPackage = "package://", kFile = "file://";
+
+// A path, relative or not: package://NAME/REST is NAME/REST, of a file:// the address decoded.
+std::string NameOf(const std::string& uri) {
+  if (uri.starts_with(kPackage)) return uri.substr(kPackage.size());
+  return uri.starts_with(kFile) ? PercentDecoded(uri.substr(kFile.size())) : uri;
+}
+
 // Links followed; empty: there is none. package://NAME is beside the package, NAME its folder.
 fs::path FileInPackage(const std::string& name, const fs::path& own, const fs::path& package) {
   std::error_code error;
@@ -41,38 +53,47 @@ fs::path FileInPackage(const std::string& name, const fs::path& own, const fs::p
 
 }  // namespace
 
-std::vector<std::string> FilesNamedIn(const std::string& urdf) {
-  // std::regex visits letters by recursion, so repetitions have a limit.
-  static const std::regex kFile(
-      R"re(filename\s{0,9}=\s{0,9}["'](?:package://)?([^"']{1,1023})["'])re");
-  std::vector<std::string> names;
-  for (std::sregex_iterator it(urdf.begin(), urdf.end(), kFile), end; it != end; ++it) {
-    names.push_back((*it)[1]);
-  }
-  return names;
-}
-
-Robot::Robot(const fs::path& urdf) : urdf_(config::ReadFile(urdf)) {
-  const arm::Chain chain = arm::ParseUrdf(urdf_, urdf.string());
+Robot::Robot(const fs::path& urdf) {
+  TiXmlDocument document;
+  const std::string text = config::ReadFile(urdf);
+  arm::ParseXml(text, urdf.string(), &document);
+  const arm::Chain chain = arm::ParseUrdf(text, urdf.string());
+  arm::DefineMaterials(urdf.string(), document.RootElement());
   for (const arm::Body& body : chain.bodies) {
-    if (!body.moves) continue;
+    if (!arm::IsFree(body)) continue;
     moving_.push_back(body.joint_name);
     if (arm::IsDriven(body)) driven_.push_back(body.joint_name);
   }
   const fs::path own = fs::canonical(urdf).parent_path();
   const fs::path package = PackageOf(own);
-  std::vector<std::string> left_out;
-  for (const std::string& name : FilesNamedIn(urdf_)) {
-    const fs::path file = FileInPackage(name, own, package);
+  std::set<std::string> left_out;
+  for (const TiXmlElement* element : arm::ElementsIn(*document.RootElement())) {
+    const bool is_file = element->ValueStr() == "mesh" || element->ValueStr() == "texture";
+    if (!is_file || element->Attribute("filename") == nullptr) continue;
+    const std::string uri = element->Attribute("filename"), name = NameOf(uri);
+    const_cast<TiXmlElement*>(element)->SetAttribute("filename", name.c_str());
+    if (meshes_.contains(name) || left_out.contains(name)) continue;
+    fs::path file = FileInPackage(name, own, package);
+    if (file.empty() && uri.starts_with(kPackage)) {  // a folder of another name
+      file = FileInPackage(name.substr(name.find('/') + 1), package, package);
+    }
     try {
       meshes_[name] = {200, ContentType(file), config::ReadFile(file, config::kLargestData)};
-    } catch (const UsageError&) {  // an empty path among them
-      left_out.push_back(name);
+    } catch (const UsageError& error) {
+      left_out.insert(name);
+      if (left_out.size() > kMostWarnings) continue;
+      spdlog::warn("{}{} '{}' is not drawn: {}", arm::PlaceIn(urdf.string(), *element),
+                   element->ValueStr(), uri,
+                   file.empty() ? "no such file in " + package.string() : error.what());
     }
   }
-  if (left_out.empty()) return;
-  spdlog::warn("{}: {} files that it names are not served, such as '{}', expected them in {}",
-               urdf.string(), left_out.size(), left_out.front(), package.string());
+  if (left_out.size() > kMostWarnings) {
+    spdlog::warn("{}: {} more files that it names are not drawn", urdf.string(),
+                 left_out.size() - kMostWarnings);
+  }
+  TiXmlPrinter printer;
+  document.Accept(&printer);
+  urdf_ = printer.Str();
 }
 
 HttpReply Robot::Mesh(const std::string& name) const {

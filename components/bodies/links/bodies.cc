@@ -28,6 +28,29 @@ int FindJoint(const Chain& chain, const std::string& joint_name) {
   return -1;
 }
 
+std::vector<Coordinate> CoordinatesOf(const Chain& chain) {
+  std::vector<Coordinate> coordinates(chain.bodies.size());
+  int joints = 0;
+  for (std::size_t i = 0; i < chain.bodies.size(); ++i) {
+    if (IsFree(chain.bodies[i])) coordinates[i] = {.joint = joints++, .body = static_cast<int>(i)};
+  }
+  for (std::size_t i = 0; i < chain.bodies.size(); ++i) {
+    const std::optional<Mimic>& mimic = chain.bodies[i].mimic;
+    if (!chain.bodies[i].moves || !mimic) continue;
+    const int of = FindJoint(chain, mimic->joint_name);
+    coordinates[i] = coordinates.at(static_cast<std::size_t>(of));
+    coordinates[i].multiplier = mimic->multiplier;
+    coordinates[i].offset = mimic->offset;
+  }
+  return coordinates;
+}
+
+void RequireFree(const Body& body) {
+  if (!body.mimic) return;
+  throw std::invalid_argument("joint '" + body.joint_name + "' mimics '" + body.mimic->joint_name +
+                              "' in the URDF and moves with it, expected no model of it");
+}
+
 void OverrideLink(Chain& chain, int body_index, double inertia, bool gravity_elsewhere) {
   Body& body = chain.bodies[static_cast<std::size_t>(body_index)];
   const std::string name = "joint '" + body.joint_name + "'";
@@ -36,6 +59,12 @@ void OverrideLink(Chain& chain, int body_index, double inertia, bool gravity_els
       throw std::invalid_argument(
           name + " is not on the fixed base: its link inertia and gravity belong in the URDF");
     }
+  }
+  for (const Body& other : chain.bodies) {
+    if (!other.mimic || other.mimic->joint_name != body.joint_name) continue;
+    throw std::invalid_argument(name + " moves '" + other.joint_name +
+                                "', which mimics it: its link inertia and gravity belong in the "
+                                "URDF");
   }
   double mass = 0.0;
   Eigen::Vector3d first_moment = Eigen::Vector3d::Zero();

@@ -17,6 +17,12 @@ struct Passive {
   double damping_Nms_rad = 0.0;   // at least 0
 };
 
+// A joint that follows another of its tree: position = multiplier x the other's + offset, rad or m.
+struct Mimic {
+  std::string joint_name;  // moves and follows none itself
+  double multiplier = 1.0, offset = 0.0;
+};
+
 // A link other than the base, with the joint that carries it. Links come parents first.
 struct Body {
   std::string link_name, joint_name;
@@ -32,10 +38,11 @@ struct Body {
   Eigen::Vector3d com_m = Eigen::Vector3d::Zero();          // in the link's frame
   Eigen::Matrix3d inertia_kg_m2 = Eigen::Matrix3d::Zero();  // about the centre of mass, link's axes
   std::optional<Passive> passive;                           // of a moving joint without a drive
+  std::optional<Mimic> mimic;                               // of a moving joint
   bool weightless = false;  // gravity acts through a term of the joint model
 };
 
-// The base link. A fixed base needs none of it, so ParseUrdf reads it without a check.
+// The base link. A fixed base needs none of it.
 struct Base {
   std::string link_name;
   double mass_kg = 0.0;
@@ -50,16 +57,34 @@ struct Chain {
 };
 
 // Moved by a motor of its own: the joints of the topics are those, in the chain's order.
-inline bool IsDriven(const Body& body) noexcept { return body.moves && body.effort > 0.0; }
+inline bool IsDriven(const Body& body) noexcept {
+  return body.moves && !body.mimic && body.effort > 0.0;
+}
+
+// Has a position of its own.
+inline bool IsFree(const Body& body) noexcept { return body.moves && !body.mimic; }
 
 // Index of the body that a joint moves, or -1.
 int FindJoint(const Chain& chain, const std::string& joint_name);
+
+// What moves a body's joint: position = multiplier x that of free joint number `joint` + offset.
+struct Coordinate {
+  int joint = -1, body = -1;  // of the free joint, in the chain's order; -1: a fixed joint
+  double multiplier = 1.0, offset = 0.0;
+};
+
+// One for each body.
+std::vector<Coordinate> CoordinatesOf(const Chain& chain);
+
+// Throws std::invalid_argument naming a joint that mimics another: it has no model of its own.
+void RequireFree(const Body& body);
 
 // Replaces the inertia about the joint's axis (kg m^2; of a prismatic joint the mass, kg) of the
 // joint's link and what is fixed to it. `inertia` of 0 or less keeps that of the URDF.
 // gravity_elsewhere: gravity acts through a term of the joint model, so it no longer acts on the
 // link. Throws std::invalid_argument: the joint is not on the fixed base, the link carries moving
-// links, or the inertia is smaller than mass x distance^2 of the URDF's centre of mass.
+// links, another joint mimics this one, or the inertia is smaller than mass x distance^2 of the
+// URDF's centre of mass.
 void OverrideLink(Chain& chain, int body_index, double inertia, bool gravity_elsewhere);
 
 }  // namespace sinew::arm

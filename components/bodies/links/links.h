@@ -35,6 +35,7 @@ struct MovingLinks {
   std::vector<std::string> joint_names;  // of the links
 };
 
+// Throws std::invalid_argument naming a joint that mimics another.
 MovingLinks MovingLinksOf(const Chain& chain);
 
 // "link.m", "link.mx", ..., "link.Izz": appends the names of a body's ten parameters.

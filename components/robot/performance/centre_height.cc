@@ -10,13 +10,14 @@ namespace sinew::performance {
 CentreHeight::CentreHeight(const arm::Chain& chain, const std::vector<std::string>& joint_names,
                            const std::vector<std::string>& on_ground)
     : chain_(chain),
+      coordinates_(arm::CoordinatesOf(chain)),
       position_(chain.bodies.size(), 0.0),
       frame_(chain.bodies.size(), Eigen::Isometry3d::Identity()),
       mass_kg_(chain.base.mass_kg) {
   for (const std::string& name : joint_names) {
     const int body = arm::FindJoint(chain, name);
-    if (body < 0 || !chain.bodies[static_cast<std::size_t>(body)].moves) {
-      throw std::invalid_argument("the URDF has no joint '" + name + "' that moves");
+    if (body < 0 || !arm::IsFree(chain.bodies[static_cast<std::size_t>(body)])) {
+      throw std::invalid_argument("the URDF has no joint '" + name + "' that moves by itself");
     }
     moved_.push_back(static_cast<std::size_t>(body));
   }
@@ -46,10 +47,14 @@ double CentreHeight::Of(std::span<const double> position) noexcept {
     frame_[i] = body.parent < 0
                     ? body.parent_from_joint
                     : frame_[static_cast<std::size_t>(body.parent)] * body.parent_from_joint;
+    const arm::Coordinate& at = coordinates_[i];
+    const double q = at.body < 0
+                         ? 0.0
+                         : at.multiplier * position_[static_cast<std::size_t>(at.body)] + at.offset;
     if (body.prismatic) {
-      frame_[i].translate(position_[i] * body.axis);
+      frame_[i].translate(q * body.axis);
     } else {
-      frame_[i].rotate(Eigen::AngleAxisd(position_[i], body.axis));
+      frame_[i].rotate(Eigen::AngleAxisd(q, body.axis));
     }
     moment_kg_m += body.mass_kg * (frame_[i] * body.com_m).z();
   }

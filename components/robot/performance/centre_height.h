@@ -32,6 +32,7 @@ class CentreHeight {
 
  private:
   arm::Chain chain_;
+  std::vector<arm::Coordinate> coordinates_;
   std::vector<std::size_t> moved_;        // body of each named joint
   std::vector<std::size_t> on_ground_;    // bodies
   std::vector<double> position_;          // of every body's joint

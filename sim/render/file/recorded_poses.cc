@@ -81,8 +81,8 @@ std::vector<std::size_t> JointsOfState(const arm::Chain& chain, std::size_t coun
                                        const std::string& file) {
   std::vector<std::size_t> driven, moving;
   for (const arm::Body& body : chain.bodies) {
-    if (!body.moves) continue;
-    if (body.effort > 0.0) driven.push_back(moving.size());
+    if (!arm::IsFree(body)) continue;
+    if (arm::IsDriven(body)) driven.push_back(moving.size());
     moving.push_back(moving.size());
   }
   if (driven.size() == count) return driven;

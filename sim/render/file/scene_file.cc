@@ -65,16 +65,7 @@ class SceneReader {
 
  private:
   [[noreturn]] void Fail(const TiXmlElement& element, const std::string& message) const {
-    const TiXmlElement* link = &element;
-    while (link != nullptr && link->ValueStr() != "link") link = Parent(*link);
-    const char* name = link == nullptr ? nullptr : link->Attribute("name");
-    throw UsageError(file_ + ":" + std::to_string(element.Row()) + ": " +
-                     (name == nullptr ? "" : "link '" + std::string(name) + "': ") +
-                     element.ValueStr() + ": " + message);
-  }
-
-  static const TiXmlElement* Parent(const TiXmlElement& element) {
-    return element.Parent() == nullptr ? nullptr : element.Parent()->ToElement();
+    throw UsageError(arm::PlaceIn(file_, element) + element.ValueStr() + ": " + message);
   }
 
   template <int count>
@@ -127,13 +118,8 @@ class SceneReader {
   Colour FindColour(const TiXmlElement& material) const {
     if (const std::optional<Colour> own = ReadColour(material)) return *own;
     if (material.FirstChildElement("texture") != nullptr) return {};
-    const char* name = material.Attribute("name");
-    const auto found = name == nullptr ? materials_.end() : materials_.find(name);
-    if (found == materials_.end()) {
-      Fail(material, "no material '" + std::string(name == nullptr ? "" : name) +
-                         "' with a color in the robot");
-    }
-    return found->second;
+    const auto found = materials_.find(material.Attribute("name"));
+    return found == materials_.end() ? Colour{} : found->second;  // "", or a texture
   }
 
   std::string file_;
@@ -161,7 +147,8 @@ Scene ParseScene(const std::string& xml, const std::string& file_name) {
   Scene scene;
   TiXmlDocument document;
   arm::ParseXml(xml, file_name, &document);
-  if (const TiXmlElement* robot = document.RootElement()) {
+  if (TiXmlElement* robot = document.RootElement()) {
+    arm::DefineMaterials(file_name, robot);
     SceneReader reader(file_name);
     reader.ReadMaterials(*robot);
     for (const TiXmlElement* link = robot->FirstChildElement("link"); link != nullptr;

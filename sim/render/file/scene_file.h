@@ -2,8 +2,8 @@
 // elements.
 //
 // Drawn are box, cylinder and sphere, each with origin and material (rgba of the visual's own
-// material or of the robot's of that name; alpha and textures are not used). Visuals that are
-// meshes are counted and left out.
+// material, or of the robot's or another visual's of that name; alpha and textures are not used).
+// Visuals that are meshes are counted and left out.
 #pragma once
 
 #include <filesystem>

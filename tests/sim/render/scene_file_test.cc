@@ -81,10 +81,48 @@ TEST(SceneFile, NamesFileAndLineOfABadVisual) {
               HasSubstr("p.urdf:7: link 'rod': origin: xyz is 'a b c', expected 3 numbers"));
   const std::string sphere = "<visual><geometry><sphere radius='1'/></geometry>";
   EXPECT_THAT(ErrorOf(sphere + "<material name='blue'/></visual>"),
-              HasSubstr("no material 'blue'"));
+              HasSubstr("p.urdf:7: link 'rod': material 'blue' has no color, expected one"));
+  EXPECT_THAT(ErrorOf(sphere + "<material/></visual>"),
+              HasSubstr("p.urdf:7: link 'rod': material '' has no color, expected one"));
+  EXPECT_THAT(ErrorOf(sphere + "</visual>", "<material name='m'/>"),
+              HasSubstr("p.urdf:2: material 'm' has no color, expected one"));
   EXPECT_THAT(
       ErrorOf(sphere + "</visual>", "<material name='m'><color rgba='0 0 2 1'/></material>"),
       HasSubstr("p.urdf:2: color: rgba is '0 0 2 1', expected 0 to 1 each"));
+}
+
+// The definition at the robot's top level, or in a visual of any link, before or after those that
+// have its name alone.
+TEST(SceneFile, AMaterialIsThatOfItsNameWhereverItIsDefined) {
+  const std::string red = "<material name='red'><color rgba='1 0 0 1'/></material>";
+  const std::string sphere = "<visual><geometry><sphere radius='1'/></geometry>";
+  const std::string named = sphere + "<material name='red'/></visual>";
+  const auto link = [](const std::string& name, const std::string& visuals) {
+    return "<link name='" + name + "'>" + visuals + "</link><joint name='f" + name +
+           "' type='fixed'><parent link='rod'/><child link='" + name + "'/></joint>";
+  };
+  const std::string defines = sphere + red + "</visual>";
+  for (const auto& [visuals, more] :
+       {std::pair{named, red},
+        {named, link("a", defines)},
+        {named, link("z", named + defines)},
+        {defines + named, link("a", named)},
+        {named + defines, link("a", named)},
+        {named,
+         link("z", defines + sphere +
+                       "<material name='red'><color rgba='0 1 0 1'/></material></visual>")}}) {
+    const Scene scene = ParseScene(Pendulum(visuals, more), "p.urdf");
+    int reds = 0;
+    for (const Visual& visual : scene.visuals) reds += visual.colour.red == 1.0 ? 1 : 0;
+    EXPECT_GE(reds, static_cast<int>(scene.visuals.size()) - 1) << more;
+    EXPECT_EQ(scene.visuals[0].colour.green, scene.visuals[0].colour.blue) << more;
+  }
+  for (const char* plain : {"<material name=''/>",
+                            "<material name='t'><texture filename='t.png'/>"
+                            "</material>"}) {
+    EXPECT_EQ(ParseScene(Pendulum(sphere + plain + "</visual>"), "p.urdf").visuals[0].colour.red,
+              Colour{}.red);
+  }
 }
 
 TEST(SceneFile, ARobotWithoutShapesIsRefused) {

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "sim/world/chain.h"
 #include "tests/sim/world/random_tree.h"
 #include "tests/support/allocations.h"
 
@@ -65,8 +66,105 @@ TEST(FloatingChain, ResponsesAreTheDifferencesOfAccelerations) {
   }
 }
 
+// The chain with the joints that follow others free, and nu of it: T times that of the chain.
+struct Freed {
+  arm::Chain chain;
+  Eigen::MatrixXd T;  // of nu
+  Eigen::VectorXd offset;
+
+  explicit Freed(const arm::Chain& coupled) : chain(coupled) {
+    const std::vector<arm::Coordinate> at = arm::CoordinatesOf(coupled);
+    int free = 0, all = 0;
+    for (const arm::Body& body : coupled.bodies) {
+      free += arm::IsFree(body) ? 1 : 0;
+      all += body.moves ? 1 : 0;
+    }
+    T = Eigen::MatrixXd::Zero(kBaseFreedom + all, kBaseFreedom + free);
+    T.topLeftCorner<kBaseFreedom, kBaseFreedom>().setIdentity();
+    offset = Eigen::VectorXd::Zero(all);
+    Eigen::Index row = 0;
+    for (std::size_t i = 0; i < at.size(); ++i) {
+      chain.bodies[i].mimic.reset();
+      if (at[i].joint < 0) continue;
+      T(kBaseFreedom + row, kBaseFreedom + at[i].joint) = at[i].multiplier;
+      offset[row++] = at[i].offset;
+    }
+  }
+  Eigen::MatrixXd joints() const {
+    return T.bottomRightCorner(T.rows() - kBaseFreedom, T.cols() - kBaseFreedom);
+  }
+};
+
+// H' = T' H T and H' a' = T' H a, with a of the chain whose joints are all free.
+TEST(FloatingChain, JointsThatMimicOthersMoveAsTheReducedEquationsSay) {
+  for (unsigned seed = 0; seed < 20; ++seed) {
+    const arm::Chain coupled = WithMimics(RandomTree(seed, 12), seed);
+    const Freed freed(coupled);
+    FloatingChain chain(coupled), all(freed.chain);
+    ASSERT_EQ(chain.freedom(), freed.T.cols());
+    ASSERT_LT(chain.freedom(), all.freedom());
+    RandomStates random(seed);
+    FloatingState state = random.State(chain);
+    FloatingState lifted = state;
+    lifted.joint_position_rad = freed.joints() * state.joint_position_rad + freed.offset;
+    lifted.velocity = freed.T * state.velocity;
+    const Eigen::VectorXd torque = random.Vector(all.joint_count(), 5.0);
+    const std::vector<LinkForce> forces = random.Forces(chain);
+    chain.SetState(state);
+    all.SetState(lifted);
+    Eigen::VectorXd a(chain.freedom()), b(all.freedom());
+    chain.Solve(freed.joints().transpose() * torque, forces, a);
+    all.Solve(torque, forces, b);
+    Eigen::MatrixXd inertia(chain.freedom(), chain.freedom()), full(all.freedom(), all.freedom());
+    chain.Inertia({}, inertia);
+    all.Inertia({}, full);
+    const Eigen::MatrixXd expected = freed.T.transpose() * full * freed.T;
+    EXPECT_LT((inertia - expected).norm(), kAgreement * expected.norm()) << seed;
+    const Eigen::VectorXd force = freed.T.transpose() * full * b;
+    EXPECT_LT((expected * a - force).norm(), 1e-8 * force.norm()) << seed;
+    EXPECT_NEAR(chain.Energy(), all.Energy(), kAgreement * std::abs(all.Energy())) << seed;
+
+    RigidChain rigid(coupled), rigid_all(freed.chain);
+    JointVector c, d;
+    JointMatrix inverse, inverse_all;
+    rigid.SetState(state.joint_position_rad, state.velocity.tail(chain.joint_count()));
+    rigid_all.SetState(lifted.joint_position_rad, lifted.velocity.tail(all.joint_count()));
+    rigid.Solve(&c, &inverse);
+    rigid_all.Solve(&d, &inverse_all);
+    const Eigen::MatrixXd h = inverse_all.inverse();
+    const Eigen::MatrixXd reduced = freed.joints().transpose() * h * freed.joints();
+    const Eigen::MatrixXd one = reduced * inverse;
+    EXPECT_LT((one - Eigen::MatrixXd::Identity(one.rows(), one.cols())).norm(), 1e-8) << seed;
+    const Eigen::VectorXd generalised = freed.joints().transpose() * h * d;
+    EXPECT_LT((reduced * c - generalised).norm(), 1e-8 * generalised.norm()) << seed;
+  }
+}
+
+// Nothing but gravity acts: dE/dt = 0, by central differences.
+TEST(FloatingChain, CouplingsDoNoWork) {
+  constexpr double kStep_s = 1e-5;
+  for (unsigned seed = 0; seed < 10; ++seed) {
+    FloatingChain chain(WithMimics(RandomTree(seed, 9), seed));
+    const FloatingState state = RandomStates(seed).State(chain);
+    Eigen::VectorXd a(chain.freedom());
+    chain.SetState(state);
+    const double energy_J = chain.Energy();
+    chain.Solve(Eigen::VectorXd::Zero(chain.joint_count()), {}, a);
+    const auto energy_at = [&](double time_s) {
+      FloatingState moved = state;
+      moved.velocity += 0.5 * time_s * a;
+      Drift(time_s, &moved);
+      moved.velocity = state.velocity + time_s * a;
+      chain.SetState(moved);
+      return chain.Energy();
+    };
+    const double power_W = (energy_at(kStep_s) - energy_at(-kStep_s)) / (2.0 * kStep_s);
+    EXPECT_LT(std::abs(power_W), 1e-5 * std::abs(energy_J) + 1e-3) << seed;
+  }
+}
+
 TEST(FloatingChain, PointsMoveAsFiniteDifferencesSay) {
-  FloatingChain chain(RandomTree(9, 8));
+  FloatingChain chain(WithMimics(RandomTree(9, 8), 9));
   RandomStates random(2);
   FloatingState state = random.State(chain);
   constexpr double kStep_s = 1e-6;
@@ -121,7 +219,7 @@ TEST(FloatingChain, RefusesABaseThatNoBodyHas) {
 }
 
 TEST(FloatingChain, SolvesWithoutAllocations) {
-  FloatingChain chain(RandomTree(2, 14));
+  FloatingChain chain(WithMimics(RandomTree(2, 14), 2));
   RandomStates random(1);
   const FloatingState state = random.State(chain);
   const Eigen::VectorXd torque = random.Vector(chain.joint_count(), 5.0);

@@ -21,6 +21,9 @@ class RandomStates {
   double Uniform(double low, double high) {
     return std::uniform_real_distribution<double>(low, high)(engine_);
   }
+  std::size_t Index(std::size_t size) {
+    return std::uniform_int_distribution<std::size_t>(0, size - 1)(engine_);
+  }
   Eigen::VectorXd Vector(int size, double bound) {
     return Eigen::VectorXd::NullaryExpr(size, [&] { return Uniform(-bound, bound); });
   }
@@ -85,6 +88,24 @@ inline arm::Chain RandomTree(unsigned seed, int moving) {
     body.com_m = random.Vector(3, 0.1);
     body.inertia_kg_m2 = RandomInertia(random, body.mass_kg);
     chain.bodies.push_back(body);
+  }
+  return chain;
+}
+
+// Every third moving joint follows another one of the tree, forwards, backwards or, as 0, not at
+// all.
+inline arm::Chain WithMimics(arm::Chain chain, unsigned seed) {
+  RandomStates random(seed);
+  std::vector<std::size_t> free, following;
+  for (std::size_t i = 0; i < chain.bodies.size(); ++i) {
+    if (!chain.bodies[i].moves) continue;
+    ((free.size() + following.size()) % 3 == 1 ? following : free).push_back(i);
+  }
+  for (const std::size_t i : following) {
+    const std::size_t of = free[random.Index(free.size())];
+    chain.bodies[i].mimic = arm::Mimic{.joint_name = chain.bodies[of].joint_name,
+                                       .multiplier = i % 7 == 0 ? 0.0 : random.Uniform(-2.0, 2.0),
+                                       .offset = random.Uniform(-1.0, 1.0)};
   }
   return chain;
 }

@@ -2,6 +2,9 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <limits>
+#include <string>
+#include <vector>
 
 #include "components/base/config/config.h"
 #include "components/bodies/links/file/urdf_file.h"
@@ -69,8 +72,165 @@ TEST(ParseUrdf, ReadsTheInertiaOfTheBase) {
   EXPECT_EQ(base.com_m, Eigen::Vector3d(1.0, 2.0, 3.0));
   const Eigen::Matrix3d expected = Eigen::Vector3d(2.0, 1.0, 2.5).asDiagonal();
   EXPECT_LT((base.inertia_kg_m2 - expected).norm(), 1e-15);
-  // It matters to no fixed base.
-  EXPECT_EQ(ParseUrdf(with("-4"), "r.urdf").bodies.size(), 1u);
+}
+
+TEST(ParseUrdf, ChecksTheInertiaOfEveryLinkTheBaseAmongThem) {
+  const auto inertial = [](const std::string& mass, const std::string& izz) {
+    return "<inertial><mass value=\"" + mass +
+           "\"/><inertia ixx=\"1\" ixy=\"0\" ixz=\"0\" iyy=\"1\" "
+           "iyz=\"0\" izz=\"" +
+           izz + "\"/></inertial>";
+  };
+  const std::string bare = "<link name=\"base\"/>";
+  const auto of_base = [&](const std::string& text) {
+    std::string xml = Robot(kInertial, kRevolute);
+    return xml.replace(xml.find(bare), bare.size(), "<link name=\"base\">" + text + "</link>");
+  };
+  for (const auto& [bad, reason] : {std::pair{inertial("-4", "1"), "mass -4"},
+                                    {inertial("0", "1"), "mass 0"},
+                                    {inertial("2", "3"), "triangle inequality"},
+                                    {inertial("2", "-1"), "principal moment -1"}}) {
+    const std::string base = ErrorOf(of_base(bad)), arm = ErrorOf(Robot(bad, kRevolute));
+    EXPECT_THAT(base, ::testing::AllOf(::testing::StartsWith("bad.urdf:2: link 'base': "),
+                                       HasSubstr(reason)));
+    // The same line, but for place and name.
+    EXPECT_EQ(base.substr(base.find("': ")), arm.substr(arm.find("': ")));
+  }
+}
+
+// Joints j0, j1, ... on the base, each with `more` of its index.
+std::string Joints(const std::vector<std::string>& more) {
+  std::string text = "<robot name=\"r\">\n<link name=\"base\"/>\n";
+  for (std::size_t i = 0; i < more.size(); ++i) {
+    const std::string n = std::to_string(i);
+    text += "<link name=\"l" + n + "\">" + kInertial + "</link><joint name=\"j" + n +
+            "\" type=\"revolute\"><parent link=\"base\"/><child link=\"l" + n + "\"/>" + more[i] +
+            "</joint>\n";
+  }
+  return text + "</robot>\n";
+}
+
+std::string Limit(const std::string& lower, const std::string& upper) {
+  return "<limit lower=\"" + lower + "\" upper=\"" + upper + "\" effort=\"3\" velocity=\"1\"/>";
+}
+
+const std::string kFree = Limit("0", "0");
+
+std::string MimicOf(const std::string& joint, const std::string& more = "") {
+  return "<mimic joint=\"" + joint + "\" " + more + "/>";
+}
+
+// j0 follows j1, that one j2, and so on: the last one is free.
+TEST(ParseUrdf, AJointThatMimicsOneThatMimicsAnotherFollowsTheLast) {
+  for (std::size_t length = 2; length < 6; ++length) {
+    std::vector<std::string> more;
+    double multiplier = 1.0, offset = 0.0;
+    for (std::size_t i = 0; i + 1 < length; ++i) {
+      const double factor = -0.5 - static_cast<double>(i), add = 0.25 * static_cast<double>(i);
+      more.push_back(kFree + MimicOf("j" + std::to_string(i + 1),
+                                     "multiplier=\"" + std::to_string(factor) + "\" offset=\"" +
+                                         std::to_string(add) + "\""));
+      offset += multiplier * add;
+      multiplier *= factor;
+    }
+    more.push_back(kFree);
+    const std::string last = "j" + std::to_string(length - 1);
+    const arm::Chain chain = ParseUrdf(Joints(more), "r.urdf");
+    for (const arm::Body& body : chain.bodies) {
+      EXPECT_EQ(body.mimic.has_value(), body.joint_name != last);
+      EXPECT_EQ(arm::IsDriven(body), body.joint_name == last);
+      EXPECT_EQ(body.mimic ? body.mimic->joint_name : last, last);
+    }
+    EXPECT_DOUBLE_EQ(chain.bodies[0].mimic->multiplier, multiplier);
+    EXPECT_DOUBLE_EQ(chain.bodies[0].mimic->offset, offset);
+    EXPECT_EQ(arm::CoordinatesOf(chain)[0].body, static_cast<int>(length) - 1);
+  }
+  const arm::Mimic plain =
+      *ParseUrdf(Joints({kFree, kFree + MimicOf("j0")}), "r.urdf").bodies[1].mimic;
+  EXPECT_EQ(plain.multiplier, 1.0);
+  EXPECT_EQ(plain.offset, 0.0);
+}
+
+TEST(ParseUrdf, StopsOfAJointThatMimicsAnotherBoundTheOther) {
+  struct Case {
+    const char *lower, *upper, *multiplier, *offset;
+    double expected_lower, expected_upper;
+  };
+  for (const Case& c : {Case{"-1", "1", "2", "0", -0.5, 0.5}, Case{"-1", "3", "-2", "1", -1.0, 1.0},
+                        Case{"-9", "9", "1", "0", -1.5, 2.0}, Case{"0", "0", "2", "7", -1.5, 2.0},
+                        Case{"-1", "1", "0", "0.5", -1.5, 2.0}}) {
+    const arm::Chain chain = ParseUrdf(
+        Joints({Limit("-1.5", "2"), Limit(c.lower, c.upper) +
+                                        MimicOf("j0", std::string("multiplier=\"") + c.multiplier +
+                                                          "\" offset=\"" + c.offset + "\"")}),
+        "r.urdf");
+    EXPECT_DOUBLE_EQ(chain.bodies[0].lower, c.expected_lower) << c.multiplier;
+    EXPECT_DOUBLE_EQ(chain.bodies[0].upper, c.expected_upper) << c.multiplier;
+  }
+  for (const std::string& bad :
+       {Limit("0", "1") + MimicOf("j0", "multiplier=\"-1\""), Limit("3", "4") + MimicOf("j0"),
+        Limit("-1", "1") + MimicOf("j0", "multiplier=\"0\" offset=\"2\"")}) {
+    EXPECT_THAT(ErrorOf(Joints({Limit("0", "1"), bad})),
+                ::testing::AllOf(HasSubstr("bad.urdf:4: joint 'j1': mimics 'j0'"),
+                                 HasSubstr("leave no range")));
+  }
+}
+
+TEST(ParseUrdf, ReportsAMimicThatNothingCanFollow) {
+  const auto refuses = [](const std::string& first, const std::string& second,
+                          const std::string& expected) {
+    EXPECT_THAT(ErrorOf(Joints({kFree + first, kFree + second})),
+                ::testing::AllOf(HasSubstr("bad.urdf:3: joint 'j0': mimic"), HasSubstr(expected)));
+  };
+  refuses(MimicOf("none"), "", "'none', expected the name of a joint that moves");
+  refuses("<mimic/>", "", "no attribute 'joint'");
+  refuses(MimicOf("j0"), "", "follows itself");
+  refuses(MimicOf("j1"), MimicOf("j0"), "follows itself");
+  for (const char* attribute : {"multiplier", "offset"}) {
+    for (const char* value : {"two", "", "nan", "inf"}) {
+      refuses(MimicOf("j1", std::string(attribute) + "=\"" + value + "\""), "", attribute);
+    }
+  }
+  const std::string huge = "multiplier=\"1e200\"";
+  EXPECT_THAT(ErrorOf(Joints({kFree + MimicOf("j1", huge), kFree + MimicOf("j2", huge), kFree})),
+              HasSubstr("bad.urdf:3: joint 'j0': mimics 'j2', whose limits and its own"));
+}
+
+TEST(ParseUrdf, LimitsMeanWhatTheDocumentSays) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  const auto body = [](const std::string& type, const std::string& limit) {
+    return ParseUrdf(Robot(kInertial, "type=\"" + type + "\">" + limit), "r.urdf").bodies[0];
+  };
+  for (const std::string type : {"revolute", "prismatic", "continuous"}) {
+    const bool stops = type != "continuous";
+    EXPECT_EQ(body(type, Limit("-1", "2")).lower, stops ? -1.0 : -kInfinity) << type;
+    EXPECT_EQ(body(type, Limit("-1", "2")).upper, stops ? 2.0 : kInfinity) << type;
+    EXPECT_EQ(body(type, Limit("0", "0")).upper, kInfinity) << type;
+    EXPECT_EQ(body(type, "<limit effort=\"1\" velocity=\"1\"/>").lower, -kInfinity) << type;
+    EXPECT_EQ(body(type, Limit("0.5", "0.5")).lower, stops ? 0.5 : -kInfinity) << type;
+    EXPECT_EQ(body(type, "<limit upper=\"2\" effort=\"1\" velocity=\"1\"/>").lower,
+              stops ? 0.0 : -kInfinity)
+        << type;
+    const std::string without = ErrorOf(Robot(kInertial, "type=\"" + type + "\">"));
+    if (stops) {
+      EXPECT_THAT(without,
+                  HasSubstr("bad.urdf:4: joint 'j': " + type + " without limit, expected"));
+    } else {
+      EXPECT_EQ(without, "no error");
+    }
+    for (const char* attribute : {"effort", "velocity"}) {
+      const std::string other = attribute == std::string("effort") ? "velocity" : "effort";
+      EXPECT_THAT(ErrorOf(Robot(kInertial, "type=\"" + type + "\"><limit " + other + "=\"1\"/>")),
+                  HasSubstr(std::string("bad.urdf:4: joint 'j': limit has ") + attribute +
+                            " = '', expected a number"));
+    }
+    for (const char* attribute : {"lower", "upper", "effort", "velocity"}) {
+      std::string limit = Limit("-1", "1");
+      limit.insert(limit.find(attribute) + std::string(attribute).size() + 2, "x");
+      EXPECT_THAT(ErrorOf(Robot(kInertial, "type=\"" + type + "\">" + limit)),
+                  HasSubstr(std::string("limit has ") + attribute + " = 'x"));
+    }
+  }
 }
 
 TEST(ParseUrdf, ReportsAnErrorInOneLine) {

@@ -98,7 +98,7 @@ TEST(Costs, AreThoseOfAnEffectThatTheRecordingHas) {
   }
   EXPECT_TRUE(seen) << "MJCF has no friction that grows with the square of velocity";
   const Remarks remarks =
-      MakeRemarks(Format::kMjcf, robot, "model.yaml", dropped, costs, "held_out.mcap");
+      MakeRemarks(Format::kMjcf, robot, {}, "model.yaml", dropped, costs, "held_out.mcap");
   std::string text;
   for (const std::string& remark : remarks) text += remark + "\n";
   EXPECT_THAT(text,

@@ -6,6 +6,7 @@
 
 #include "tests/tools/export_model/exported.h"
 #include "tools/export_model/described_robot.h"
+#include "tools/export_model/remarks.h"
 
 namespace sinew::export_model {
 namespace {
@@ -17,6 +18,44 @@ std::vector<std::string> NamesOf(const std::vector<Dropped>& dropped) {
   std::vector<std::string> names;
   for (const Dropped& part : dropped) names.push_back(part.effect);
   return names;
+}
+
+TEST(Describe, AJointThatMimicsAnotherMovesWithItAndHasNoModel) {
+  actuator::RobotModel rig = RigOfBodies();
+  const DescribedRobot described = Describe(rig, RigWithFinger(rig));
+  EXPECT_EQ(described.joints.size(), 1u);
+  ASSERT_EQ(described.links.chain.bodies.size(), 2u);
+  const auto refuses = [](const actuator::RobotModel& robot, const std::string& expected) {
+    try {
+      Describe(robot, RigWithFinger(robot));
+      FAIL() << expected;
+    } catch (const std::invalid_argument& error) {
+      EXPECT_THAT(error.what(), HasSubstr(expected));
+    }
+  };
+  refuses(RigRobot(), "joint 'joint': inertia and gravity as terms need a joint");
+  rig.joints[0].name = "bend";
+  refuses(rig,
+          "joint 'bend' mimics 'joint' in the URDF and moves with it, expected no model of it");
+}
+
+TEST(Describe, TheInertiaOfTheBaseIsSaidOrNeeded) {
+  actuator::RobotModel rig = RigOfBodies();
+  for (const double base_kg : {0.0, 7.5}) {
+    const DescribedRobot robot = Describe(rig, RigWithFinger(rig, base_kg));
+    for (const Format format : {Format::kMjcf, Format::kSdf, Format::kUrdf}) {
+      std::string all;
+      for (const std::string& remark :
+           MakeRemarks(format, rig, robot.links.chain.base, "model.yaml", {}, {}, "")) {
+        all += remark;
+      }
+      const bool said = all.find("mass 7.5 kg and inertia of the base link") != std::string::npos;
+      EXPECT_EQ(said, base_kg > 0.0 && format != Format::kUrdf) << all;
+    }
+  }
+  rig.floating_base.emplace();
+  EXPECT_NO_THROW(Describe(rig, RigWithFinger(rig, 7.5)));
+  EXPECT_THROW(Describe(rig, RigWithFinger(rig, 0.0)), std::invalid_argument);
 }
 
 TEST(DroppedBy, EachFormatLeavesOutWhatItHasNoElementFor) {

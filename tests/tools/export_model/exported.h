@@ -34,6 +34,44 @@ inline arm::Chain UrdfChain(const actuator::RobotModel& robot) {
   return arm::ParseUrdf(UrdfText(robot), robot.urdf_path);
 }
 
+// The rig with a finger beside it that its joint moves, on a base of that mass.
+inline arm::Chain RigWithFinger(const actuator::RobotModel& rig, double base_kg = 0.0) {
+  std::string text = UrdfText(rig);
+  const arm::Chain plain = UrdfChain(rig);
+  const std::string inertial =
+      "<inertial><mass value=\"MASS\"/><inertia ixx=\"0.01\" ixy=\"0\" ixz=\"0\" "
+      "iyy=\"0.01\" iyz=\"0\" izz=\"0.01\"/></inertial>";
+  const auto of_mass = [&inertial](double mass_kg) {
+    return std::string(inertial).replace(inertial.find("MASS"), 4, std::to_string(mass_kg));
+  };
+  text.insert(text.rfind("</robot>"),
+              "<link name=\"finger\">" + of_mass(0.5) +
+                  "</link><joint name=\"bend\" type=\"revolute\">"
+                  "<parent link=\"" +
+                  plain.base.link_name +
+                  "\"/><child link=\"finger\"/><axis xyz=\"0 0 1\"/>"
+                  "<limit lower=\"0\" upper=\"0\" effort=\"0\" velocity=\"1\"/>"
+                  "<mimic joint=\"joint\" multiplier=\"-0.5\" offset=\"0.25\"/></joint>");
+  if (base_kg != 0.0) {
+    text.insert(text.rfind("</robot>"), "<link name=\"stand\">" + of_mass(base_kg) +
+                                            "</link><joint name=\"bolts\" type=\"fixed\">"
+                                            "<parent link=\"" +
+                                            plain.base.link_name +
+                                            "\"/><child link=\"stand\"/></joint>");
+  }
+  return arm::ParseUrdf(text, "finger.urdf");
+}
+
+// Its inertia and weight are the URDF's.
+inline actuator::RobotModel RigOfBodies() {
+  actuator::RobotModel rig = RigRobot();
+  std::erase_if(rig.joints[0].terms, [](const actuator::Term& term) {
+    const std::string& name = term.effect->info().name;
+    return name == "link_inertia" || name == "gravity";
+  });
+  return rig;
+}
+
 inline DescribedRobot Described(const actuator::RobotModel& robot) {
   return Describe(robot, UrdfChain(robot));
 }

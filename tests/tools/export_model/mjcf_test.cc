@@ -110,6 +110,19 @@ TEST(Mjcf, APayloadThatCloseLoopFoundIsInertiaOfTheBody) {
                 weight_Nm + payload_kg * 9.81 * length_m);
 }
 
+TEST(Mjcf, AJointThatMimicsAnotherIsAnEquality) {
+  const actuator::RobotModel rig = RigOfBodies();
+  Mujoco mujoco(WriteMjcf(Describe(rig, RigWithFinger(rig)), {}));
+  ASSERT_TRUE(mujoco);
+  const mjModel& model = mujoco.model();
+  ASSERT_EQ(model.neq, 1);
+  EXPECT_EQ(model.eq_type[0], mjEQ_JOINT);
+  EXPECT_EQ(model.eq_obj1id[0], mujoco.Id(mjOBJ_JOINT, "bend"));
+  EXPECT_EQ(model.eq_obj2id[0], mujoco.Id(mjOBJ_JOINT, "joint"));
+  EXPECT_EQ(model.eq_data[0], 0.25);
+  EXPECT_EQ(model.eq_data[1], -0.5);
+}
+
 TEST(Mjcf, AServoOfTheModelFileIsAnActuatorWithItsGains) {
   actuator::RobotModel rig = RigRobot();
   rig.joints[0].controller = actuator::Servo{

@@ -40,6 +40,18 @@ TEST(Sdf, OfTheRigHasTheValuesOfTheModelFile) {
   EXPECT_DOUBLE_EQ(inertial.Pose().Pos().X(), body.com_m.x());
 }
 
+// Read as text: libsdformat knows mimic from version 14 on.
+TEST(Sdf, AJointThatMimicsAnotherIsThatOfVersion111) {
+  const actuator::RobotModel rig = RigOfBodies();
+  const std::string text = WriteSdf(Describe(rig, RigWithFinger(rig)), {});
+  EXPECT_NE(text.find("<sdf version=\"1.11\">"), std::string::npos);
+  EXPECT_NE(text.find("<mimic joint=\"joint\"><multiplier>-0.5</multiplier><offset>0.25</offset>"
+                      "<reference>0</reference></mimic>"),
+            std::string::npos)
+      << text;
+  EXPECT_NE(WriteSdf(Described(rig), {}).find("<sdf version=\"1.9\">"), std::string::npos);
+}
+
 TEST(Sdf, OfTheBipedPlacesItsLinksWhereTheUrdfDoes) {
   const actuator::RobotModel biped = LoadedBiped();
   const DescribedRobot described = Described(biped);

@@ -176,7 +176,7 @@ TEST(TorqueCosts, NameWhatTheyAreOf) {
   EXPECT_EQ(CostOf(costs, "one", "backlash").why_not, "it has no part in the balance of torque");
   std::string text;
   for (const std::string& remark :
-       MakeRemarks(Format::kUrdf, robot, "model.yaml", dropped, costs, "held_out.csv")) {
+       MakeRemarks(Format::kUrdf, robot, {}, "model.yaml", dropped, costs, "held_out.csv")) {
     text += remark + "\n";
   }
   EXPECT_THAT(text, HasSubstr("Errors below: the torque that each joint needs for the motion of "

@@ -2,6 +2,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <limits>
 #include <stdexcept>
 #include <string>
 
@@ -44,6 +46,55 @@ TEST(Urdf, OfTheBipedHasThePayloadInItsLinkAndAllElseAsItWas) {
     EXPECT_LT((a.inertia_kg_m2 - b.inertia_kg_m2).norm(), 1e-12) << a.link_name;
   }
   EXPECT_THAT(text, HasSubstr("<passive joint=\"left_toe_passive\""));
+}
+
+// Whatever the limits say here, the written URDF says where other readers see the same.
+TEST(Urdf, LimitsHaveTheirMeaningForOtherReaders) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  const actuator::RobotModel rig = RigOfBodies();
+  struct Case {
+    const char *type, *lower, *upper, *mimic;
+    const char *written_type, *written_lower, *written_upper;
+  };
+  for (const Case& c : {Case{"revolute", "0", "0", "", "continuous", "0", "0"},
+                        {"continuous", "0", "0", "", "continuous", "0", "0"},
+                        {"continuous", "-1", "1", "", "continuous", "-1", "1"},
+                        {"prismatic", "0", "0", "", "prismatic", "-1e+16", "1e+16"},
+                        {"prismatic", "-1", "1", "", "prismatic", "-1", "1"},
+                        {"revolute", "0.5", "0.5", "", "revolute", "0.5", "0.5"},
+                        {"revolute", "-1", "1", "", "revolute", "-1", "1"}}) {
+    std::string urdf = UrdfText(rig);
+    urdf.insert(
+        urdf.rfind("</robot>"),
+        "<link name=\"tip\"><inertial><mass value=\"1\"/><inertia ixx=\"1\" ixy=\"0\" ixz=\"0\" "
+        "iyy=\"1\" iyz=\"0\" izz=\"1\"/></inertial></link><joint name=\"k\" type=\"" +
+            std::string(c.type) + "\"><parent link=\"link\"/><child link=\"tip\"/><limit lower=\"" +
+            c.lower + "\" upper=\"" + c.upper + "\" effort=\"0\" velocity=\"1\"/></joint>");
+    const arm::Chain before = arm::ParseUrdf(urdf, "r.urdf");
+    const std::string text = WriteUrdf(Describe(rig, before), urdf, {});
+    EXPECT_THAT(text, HasSubstr(std::string("<joint name=\"k\" type=\"") + c.written_type + "\">"));
+    EXPECT_THAT(text, HasSubstr(std::string("<limit lower=\"") + c.written_lower + "\" upper=\"" +
+                                c.written_upper + "\""));
+    const arm::Body& of = before.bodies.back();
+    const arm::Body after = arm::ParseUrdf(text, "written.urdf").bodies.back();
+    for (const auto& [was, is] : {std::pair{of.lower, after.lower}, {of.upper, after.upper}}) {
+      EXPECT_EQ(std::abs(is) == 1e16 ? std::copysign(kInfinity, is) : is, was) << c.type << c.lower;
+    }
+  }
+}
+
+TEST(Urdf, HasTheMaterialsThatItRefersToAtItsTopLevel) {
+  const actuator::RobotModel rig = RigRobot();
+  std::string urdf = UrdfText(rig);
+  const std::string box =
+      "<visual><geometry><box size=\"1 1 1\"/></geometry><material name=\"own\"";
+  urdf.insert(
+      urdf.rfind("</robot>"),
+      "<link name=\"a\">" + box + "/></visual>" + box +
+          "><color rgba=\"1 0 0 1\"/></material></visual></link><joint name=\"fa\" type=\"fixed\">"
+          "<parent link=\"link\"/><child link=\"a\"/></joint>");
+  const std::string text = WriteUrdf(Described(rig), urdf, {});
+  EXPECT_LT(text.find("<material name=\"own\">"), text.find("<link"));
 }
 
 TEST(Urdf, ThatIsNoXmlOrLacksAJointIsRefused) {

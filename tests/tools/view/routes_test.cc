@@ -3,8 +3,12 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <spdlog/sinks/ostream_sink.h>
+#include <spdlog/spdlog.h>
 
 #include <fstream>
+#include <memory>
+#include <sstream>
 
 #include "components/base/config/config.h"
 #include "tests/support/temporary_folder.h"
@@ -102,6 +106,87 @@ TEST(ViewRoutes, OnlyFilesThatTheUrdfNamesAreServed) {
   routes.robot = nullptr;
   EXPECT_EQ(routes.Answer(Get("/robot.urdf")).status, 404u);
   EXPECT_EQ(PercentDecoded("%41%2f%4x%"), "A/%4x%");
+}
+
+std::string RobotWith(const std::string& visuals, const std::string& more = "") {
+  return "<robot name='r'>\n<link name='base'>\n" + visuals + "</link>\n" + more +
+         "<link name='arm'><inertial><mass value='1'/>"
+         "<inertia ixx='1' ixy='0' ixz='0' iyy='1' iyz='0' izz='1'/></inertial></link>"
+         "<joint name='j' type='revolute'><parent link='base'/><child link='arm'/>"
+         "<limit lower='-1' upper='1' effort='1' velocity='1'/></joint></robot>";
+}
+
+std::string MeshOf(const std::string& uri) {
+  return "<visual><geometry><mesh filename='" + uri + "'/></geometry></visual>\n";
+}
+
+// The names that the page has are those of the served URDF.
+TEST(ViewRoutes, MeshesArePackageFileOrPlainPaths) {
+  const testing::TemporaryFolder folder;
+  const std::filesystem::path package = folder.path() / "cloned here";
+  std::filesystem::create_directories(package / "urdf");
+  std::filesystem::create_directories(package / "meshes");
+  std::ofstream(package / "package.xml") << "<package/>";
+  std::ofstream(package / "meshes" / "a b.stl") << "solid";
+  const std::string path = (package / "urdf" / "r.urdf").string();
+  const std::string mesh = std::filesystem::canonical(package / "meshes" / "a b.stl").string();
+  std::string encoded = mesh;
+  for (std::size_t at; (at = encoded.find(' ')) != std::string::npos;) {
+    encoded.replace(at, 1, "%20");
+  }
+  for (const std::string& uri :
+       {"package://two_legs/meshes/a b.stl", "package://cloned here/meshes/a b.stl",
+        "package://meshes/a b.stl", "../meshes/a b.stl", "file://../meshes/a b.stl"}) {
+    std::ofstream(path, std::ios::trunc) << RobotWith(MeshOf(uri));
+    const Robot robot(path);
+    const std::string name =
+        uri.substr(uri.find("://") == std::string::npos ? 0 : uri.find("://") + 3);
+    EXPECT_EQ(robot.Mesh(name).body, "solid") << uri;
+    EXPECT_THAT(robot.urdf(), HasSubstr("filename=\"" + name + "\""));
+  }
+  for (const std::string& uri : {mesh, "file://" + mesh, "file://" + encoded}) {
+    std::ofstream(path, std::ios::trunc) << RobotWith(MeshOf(uri));
+    EXPECT_EQ(Robot(path).Mesh(mesh).body, "solid") << uri;
+    EXPECT_THAT(Robot(path).urdf(), HasSubstr("filename=\"" + mesh + "\""));
+  }
+}
+
+TEST(ViewRoutes, AMeshThatIsNotThereIsLoggedWithFileLineLinkAndName) {
+  const testing::TemporaryFolder folder;
+  const std::string path = (folder.path() / "r.urdf").string();
+  std::string visuals;
+  for (int i = 0; i < 14; ++i) {
+    visuals += MeshOf((i % 2 == 0 ? "file:///none/" : "package://p/") + std::to_string(i) + ".stl");
+  }
+  std::ofstream(path) << RobotWith(visuals + visuals);
+  std::ostringstream log;
+  const auto before = spdlog::default_logger();
+  spdlog::set_default_logger(std::make_shared<spdlog::logger>(
+      "test", std::make_shared<spdlog::sinks::ostream_sink_st>(log)));
+  const Robot robot(path);
+  spdlog::set_default_logger(before);
+  for (int i = 0; i < 10; ++i) {
+    EXPECT_THAT(log.str(), HasSubstr(path + ":" + std::to_string(3 + i) + ": link 'base': mesh '" +
+                                     (i % 2 == 0 ? "file:///none/" : "package://p/") +
+                                     std::to_string(i) + ".stl' is not drawn: no such file in "));
+  }
+  EXPECT_THAT(log.str(), HasSubstr(path + ": 4 more files that it names are not drawn"));
+  EXPECT_EQ(robot.Mesh("p/1.stl").status, 404u);
+}
+
+// The page's loader looks for a material at the top level, or in the visual itself.
+TEST(ViewRoutes, TheServedUrdfHasTheMaterialsThatItRefersTo) {
+  const testing::TemporaryFolder folder;
+  const std::string path = (folder.path() / "r.urdf").string();
+  const std::string box = "<visual><geometry><box size='1 1 1'/></geometry><material name='red'";
+  std::ofstream(path) << RobotWith(
+      box + "/></visual>",
+      "<link name='z'>" + box +
+          "><color rgba='1 0 0 1'/></material></visual></link>"
+          "<joint name='f' type='fixed'><parent link='base'/><child link='z'/></joint>");
+  const std::string urdf = Robot(path).urdf();
+  EXPECT_LT(urdf.find("<material name=\"red\">"), urdf.find("<link"));
+  EXPECT_LT(urdf.find("rgba=\"1 0 0 1\""), urdf.find("<link"));
 }
 
 TEST(ViewRoutes, TheBipedHasTwelveDrivenJoints) {

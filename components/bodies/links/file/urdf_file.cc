@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <map>
 
 #include "components/base/config/config.h"
 #include "components/bodies/links/file/xml_text.h"
@@ -69,16 +70,7 @@ Eigen::Isometry3d ToIsometry(const urdf::Pose& pose) {
 
 // body: a Body or a Base.
 template <typename Inertial>
-void SetInertial(const urdf::Inertial& in, Inertial* body) {
-  const Eigen::Isometry3d frame = ToIsometry(in.origin);
-  Eigen::Matrix3d inertia;
-  inertia << in.ixx, in.ixy, in.ixz, in.ixy, in.iyy, in.iyz, in.ixz, in.iyz, in.izz;
-  body->mass_kg = in.mass;
-  body->com_m = frame.translation();
-  body->inertia_kg_m2 = frame.linear() * inertia * frame.linear().transpose();
-}
-
-void ReadInertial(const urdf::Link& link, const Where& where, Body* body) {
+void ReadInertial(const urdf::Link& link, const Where& where, Inertial* body) {
   if (!link.inertial) return;
   const urdf::Inertial& in = *link.inertial;
   const double all[] = {in.mass, in.ixx, in.ixy, in.ixz, in.iyy, in.iyz, in.izz};
@@ -104,14 +96,16 @@ void ReadInertial(const urdf::Link& link, const Where& where, Body* body) {
     where.Fail("link", link.name,
                "inertia breaks the triangle inequality: no body has these moments");
   }
-  SetInertial(in, body);
+  const Eigen::Isometry3d frame = ToIsometry(in.origin);
+  body->mass_kg = in.mass;
+  body->com_m = frame.translation();
+  body->inertia_kg_m2 = frame.linear() * inertia * frame.linear().transpose();
 }
 
 void ReadJoint(const urdf::Joint& joint, const Where& where, Body* body) {
   using urdf::Joint;
   body->joint_name = joint.name;
   body->parent_from_joint = ToIsometry(joint.parent_to_joint_origin_transform);
-  if (joint.mimic) where.Fail("joint", joint.name, "mimic joints are not simulated");
   if (joint.type == Joint::FIXED) return;
   if (joint.type != Joint::REVOLUTE && joint.type != Joint::CONTINUOUS &&
       joint.type != Joint::PRISMATIC) {
@@ -126,6 +120,11 @@ void ReadJoint(const urdf::Joint& joint, const Where& where, Body* body) {
     where.Fail("joint", joint.name, "axis has no direction");
   }
   body->axis /= length;
+  if (joint.mimic) {
+    body->mimic = Mimic{.joint_name = joint.mimic->joint_name,
+                        .multiplier = joint.mimic->multiplier,
+                        .offset = joint.mimic->offset};
+  }
   if (joint.limits) body->effort = joint.limits->effort;
   if (joint.limits && joint.type != Joint::CONTINUOUS) {
     if (!(joint.limits->lower <= joint.limits->upper)) {
@@ -136,6 +135,73 @@ void ReadJoint(const urdf::Joint& joint, const Where& where, Body* body) {
       body->lower = joint.limits->lower;
       body->upper = joint.limits->upper;
     }
+  }
+}
+
+// What urdfdom refuses without a line.
+void CheckJoint(const TiXmlElement& joint, const Where& where) {
+  constexpr struct {
+    const char *element, *attribute;
+    bool required;
+  } kNumbers[] = {{"limit", "effort", true},      {"limit", "velocity", true},
+                  {"limit", "lower", false},      {"limit", "upper", false},
+                  {"mimic", "multiplier", false}, {"mimic", "offset", false}};
+  const auto text = [](const char* given) { return std::string(given == nullptr ? "" : given); };
+  const std::string name = text(joint.Attribute("name")), type = text(joint.Attribute("type"));
+  for (const auto& [element, attribute, required] : kNumbers) {
+    const TiXmlElement* e = joint.FirstChildElement(element);
+    if (e == nullptr || (!required && e->Attribute(attribute) == nullptr)) continue;
+    double value = std::numeric_limits<double>::quiet_NaN();
+    e->QueryDoubleAttribute(attribute, &value);
+    if (std::isfinite(value)) continue;
+    where.Fail("joint", name,
+               std::string(element) + " has " + attribute + " = '" + text(e->Attribute(attribute)) +
+                   "', expected a number");
+  }
+  if ((type == "revolute" || type == "prismatic") && joint.FirstChildElement("limit") == nullptr) {
+    where.Fail("joint", name, type + " without limit, expected lower, upper, effort and velocity");
+  }
+  const TiXmlElement* mimic = joint.FirstChildElement("mimic");
+  if (mimic != nullptr && mimic->Attribute("joint") == nullptr) {
+    where.Fail("joint", name, "mimic has no attribute 'joint', expected the name of a joint");
+  }
+}
+
+// Makes every joint that mimics another follow one that has a position of its own, whose stops are
+// narrowed to what both allow.
+void ResolveMimics(const Where& where, Chain* chain) {
+  std::map<std::string, Body*> moving;
+  for (Body& body : chain->bodies) {
+    if (body.moves) moving[body.joint_name] = &body;
+  }
+  for (Body& body : chain->bodies) {
+    if (!body.mimic) continue;
+    Mimic& mimic = *body.mimic;
+    const auto fail = [&](const std::string& message) {
+      where.Fail("joint", body.joint_name, "mimics '" + mimic.joint_name + "', " + message);
+    };
+    Body* followed = &body;
+    for (std::size_t steps = 0; followed->mimic; ++steps) {
+      const auto found = moving.find(mimic.joint_name);
+      if (found == moving.end()) fail("expected the name of a joint that moves");
+      if (steps == moving.size()) fail("which follows itself");
+      followed = found->second;
+      if (!followed->mimic) break;
+      const Mimic next = *followed->mimic;
+      mimic = {.joint_name = next.joint_name,
+               .multiplier = mimic.multiplier * next.multiplier,
+               .offset = mimic.multiplier * next.offset + mimic.offset};
+    }
+    // A multiplier of 0 gives infinity, or not a number at the stop itself: no bound.
+    const auto [low, high] = std::minmax({(body.lower - mimic.offset) / mimic.multiplier,
+                                          (body.upper - mimic.offset) / mimic.multiplier});
+    const double lower = std::max(followed->lower, low), upper = std::min(followed->upper, high);
+    if (!std::isfinite(mimic.multiplier) || !std::isfinite(mimic.offset) || lower > upper ||
+        (lower == upper && followed->lower < followed->upper)) {
+      fail("whose limits and its own leave no range");
+    }
+    followed->lower = lower;
+    followed->upper = upper;
   }
 }
 
@@ -167,6 +233,7 @@ void ReadPassive(const TiXmlDocument& document, const Where& where, Chain* chain
     if (index < 0) fail("no moving joint has this name");
     Body& body = chain->bodies[static_cast<std::size_t>(index)];
     if (body.passive) fail("given twice");
+    if (body.mimic) fail("the joint mimics '" + body.mimic->joint_name + "'");
     if (body.effort > 0.0) {
       fail("the joint's effort is " + std::to_string(body.effort) +
            ", expected 0 where no drive is");
@@ -200,14 +267,11 @@ void RequireFewLinks(const TiXmlElement& robot, const Where& where) {
 }
 
 // urdfdom leaves out what stands inside of elements that it does not know.
-void RefuseXacro(const TiXmlElement& element, const std::string& file) {
-  if (element.ValueStr().starts_with("xacro:")) {
-    throw UsageError(file + ":" + std::to_string(element.Row()) + ": '" + element.ValueStr() +
+void RefuseXacro(const TiXmlElement& robot, const std::string& file) {
+  for (const TiXmlElement* e : ElementsIn(robot)) {
+    if (!e->ValueStr().starts_with("xacro:")) continue;
+    throw UsageError(file + ":" + std::to_string(e->Row()) + ": '" + e->ValueStr() +
                      "': expand it with xacro first, expected a URDF");
-  }
-  for (const TiXmlElement* e = element.FirstChildElement(); e != nullptr;
-       e = e->NextSiblingElement()) {
-    RefuseXacro(*e, file);
   }
 }
 
@@ -222,12 +286,19 @@ Chain ParseUrdf(const std::string& xml, const std::string& file_name) {
   const Where where(document, file_name);
   RequireFewLinks(*document.RootElement(), where);
   RefuseXacro(*document.RootElement(), file_name);
+  for (const TiXmlElement* e = document.RootElement()->FirstChildElement("joint"); e != nullptr;
+       e = e->NextSiblingElement("joint")) {
+    CheckJoint(*e, where);
+  }
+  DefineMaterials(file_name, document.RootElement());
+  TiXmlPrinter defined;
+  document.Accept(&defined);
   urdf::ModelInterfaceSharedPtr model;
   std::string complaint;
   {
     CapturedMessages messages;
     try {
-      model = urdf::parseURDF(xml);
+      model = urdf::parseURDF(defined.Str());
     } catch (const std::exception& error) {
       complaint = error.what();
     }
@@ -241,7 +312,7 @@ Chain ParseUrdf(const std::string& xml, const std::string& file_name) {
   Chain chain;
   chain.name = model->getName();
   chain.base.link_name = model->getRoot()->name;
-  if (model->getRoot()->inertial) SetInertial(*model->getRoot()->inertial, &chain.base);
+  ReadInertial(*model->getRoot(), where, &chain.base);
   const std::function<void(const urdf::LinkConstSharedPtr&, int)> add =
       [&](const urdf::LinkConstSharedPtr& link, int parent) {
         std::vector<urdf::LinkSharedPtr> children = link->child_links;
@@ -258,6 +329,7 @@ Chain ParseUrdf(const std::string& xml, const std::string& file_name) {
         }
       };
   add(model->getRoot(), -1);
+  ResolveMimics(where, &chain);
   ReadPassive(document, where, &chain);
 
   bool any_moves = false;

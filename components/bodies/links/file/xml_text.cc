@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <map>
 #include <regex>
 
 #include "components/base/config/config.h"
@@ -49,6 +50,13 @@ bool BeginsDeclaration(std::string_view text) {
          });
 }
 
+// Not what stands in an element `gazebo`.
+bool IsOfVisual(const TiXmlNode& material, const TiXmlElement& robot) {
+  const TiXmlNode* visual = material.Parent();
+  return visual->ValueStr() == "visual" && visual->Parent()->ValueStr() == "link" &&
+         visual->Parent()->Parent() == &robot;
+}
+
 }  // namespace
 
 XmlProblem FindXmlProblem(std::string_view xml) {
@@ -91,6 +99,51 @@ void ParseXml(const std::string& xml, const std::string& name, TiXmlDocument* do
                std::string("no valid XML: ") + document->ErrorDesc()};
   }
   throw UsageError(name + ":" + std::to_string(problem.line) + ": " + problem.what);
+}
+
+std::vector<const TiXmlElement*> ElementsIn(const TiXmlElement& root) {
+  std::vector<const TiXmlElement*> elements;
+  for (const TiXmlElement* e = root.FirstChildElement(); e != nullptr;
+       e = e->NextSiblingElement()) {
+    elements.push_back(e);
+    const auto inside = ElementsIn(*e);
+    elements.insert(elements.end(), inside.begin(), inside.end());
+  }
+  return elements;
+}
+
+std::string PlaceIn(const std::string& name, const TiXmlElement& element) {
+  const TiXmlNode* link = &element;
+  while (link->Parent() != nullptr && link->ValueStr() != "link") link = link->Parent();
+  const char* of = link->ToElement() == nullptr ? nullptr : link->ToElement()->Attribute("name");
+  return name + ":" + std::to_string(element.Row()) + ": " +
+         (of == nullptr ? "" : "link '" + std::string(of) + "': ");
+}
+
+void DefineMaterials(const std::string& name, TiXmlElement* robot) {
+  std::map<std::string, const TiXmlElement*> defined, used;
+  for (const TiXmlElement* material : ElementsIn(*robot)) {
+    const bool of_robot = material->Parent() == robot;
+    if (material->ValueStr() != "material" || !(of_robot || IsOfVisual(*material, *robot)))
+      continue;
+    const char* given = material->Attribute("name");
+    const std::string of = given == nullptr ? "" : given;
+    if (material->FirstChildElement("color") == nullptr &&
+        material->FirstChildElement("texture") == nullptr) {
+      if (given == nullptr || !of.empty()) used.emplace(of, material);
+    } else if (of_robot || !defined.contains(of)) {
+      defined[of] = material;
+    }
+  }
+  for (const auto& [of, material] : used) {
+    const auto found = defined.find(of);
+    if (found == defined.end() || material->Parent() == robot) {
+      throw UsageError(PlaceIn(name, *material) + "material '" + of +
+                       "' has no color, expected one here or in a material of this name");
+    }
+    if (found->second->Parent() == robot) continue;
+    robot->InsertBeforeChild(robot->FirstChild(), *found->second);
+  }
 }
 
 }  // namespace sinew::arm

@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace sinew::arm {
 
@@ -23,5 +24,16 @@ XmlProblem FindXmlProblem(std::string_view xml);
 
 // Throws UsageError, "NAME:LINE: ...", for what is no XML and for what FindXmlProblem finds.
 void ParseXml(const std::string& xml, const std::string& name, TiXmlDocument* document);
+
+// All elements inside of one, in the order of the file.
+std::vector<const TiXmlElement*> ElementsIn(const TiXmlElement& root);
+
+// "NAME:LINE: ", and "link '...': " for what is inside of one.
+std::string PlaceIn(const std::string& name, const TiXmlElement& element);
+
+// Gives the robot a material of each name that a visual has without colour or texture and that a
+// visual of any link defines, the first of them: readers of URDFs look for it there. Throws
+// UsageError, "NAME:LINE: ...", for a material that nothing defines.
+void DefineMaterials(const std::string& name, TiXmlElement* robot);
 
 }  // namespace sinew::arm
