@@ -151,11 +151,7 @@ void JointController::BridgeLateInputs(JointInput* input) noexcept {
   input->reference_changed |= came && was_lost;
   const bool follows = came || aim_ == Aim::kReference;
   if (!input->reference_fresh && follows && last_reference_.Within(grace_s)) {
-    const Point& last = last_reference_.value();
-    const double t_s = last_reference_.late_s();
-    input->reference = {
-        last.position_rad + t_s * (last.velocity_rad_s + 0.5 * t_s * last.acceleration_rad_s2),
-        last.velocity_rad_s + t_s * last.acceleration_rad_s2, last.acceleration_rad_s2};
+    input->reference = reference::Extrapolated(last_reference_.value(), last_reference_.late_s());
     input->reference_fresh = true;
   }
   last_prediction_.Take(input->prediction, age_s(input->prediction_fresh, input->prediction_late_s),
@@ -176,7 +172,10 @@ void JointController::ChooseAim(const JointInput& input) noexcept {
     if (!input.reference_fresh) return;  // stays with what it did
     if (aim_ != Aim::kReference || input.reference_changed ||
         input.reference_replayed != replayed_) {
-      const double from_rad = aim_ == Aim::kPush ? position_rad : target_.position_rad;
+      // What was followed has gone on since the last cycle.
+      const double from_rad = aim_ == Aim::kPush
+                                  ? position_rad
+                                  : reference::Extrapolated(target_, input.period_s).position_rad;
       offset_rad_ = from_rad - input.reference.position_rad;
       offset_age_s_ = 0.0;
       replayed_ = input.reference_replayed;

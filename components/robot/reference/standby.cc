@@ -13,11 +13,7 @@ RobotReferenceOutput Standby::CarriedOn(const RobotReferenceInput& input) const 
   RobotReferenceOutput output = owner_;
   if (output.idle || input.tick <= owner_tick_) return output;
   const double time_s = static_cast<double>(input.tick - owner_tick_) * input.period_s;
-  for (Point& point : output.joint) {
-    point.position_rad +=
-        time_s * (point.velocity_rad_s + 0.5 * time_s * point.acceleration_rad_s2);
-    point.velocity_rad_s += time_s * point.acceleration_rad_s2;
-  }
+  for (Point& point : output.joint) point = Extrapolated(point, time_s);
   if (!AllFinite(output)) return owner_;
   return output;
 }

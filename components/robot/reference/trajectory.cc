@@ -44,6 +44,12 @@ Jet WeightJet(const BlendWeight& w) { return {w.value, w.rate_per_s, w.curvature
 
 }  // namespace
 
+Point Extrapolated(const Point& from, double time_s) noexcept {
+  return {
+      from.position_rad + time_s * (from.velocity_rad_s + 0.5 * time_s * from.acceleration_rad_s2),
+      from.velocity_rad_s + time_s * from.acceleration_rad_s2, from.acceleration_rad_s2};
+}
+
 Hold::Hold(double position_rad, double duration_s)
     : position_rad_(position_rad), duration_s_(duration_s) {
   RequireFinite(position_rad, "position");

@@ -26,6 +26,9 @@ struct Point {
   void Exchange(types::StateArchive& archive);  // types/state_archive.h
 };
 
+// The point a time later, at its acceleration.
+Point Extrapolated(const Point& from, double time_s) noexcept;
+
 inline constexpr double kEndless = std::numeric_limits<double>::infinity();
 
 class Trajectory {

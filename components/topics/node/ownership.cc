@@ -1,5 +1,6 @@
 #include "components/topics/node/ownership.h"
 
+#include <algorithm>
 #include <limits>
 #include <ratio>
 
@@ -56,6 +57,11 @@ Strength StrengthAbove(Strength own, Strength first, std::span<const Rival> riva
 
 Strength SettledStrength(Strength first, std::span<const Rival> rivals) {
   return std::min(first, OneBelow(Lowest(rivals)));
+}
+
+bool Leads(Strength own, std::span<const Rival> rivals) {
+  return own > kJoiningStrength && std::all_of(rivals.begin(), rivals.end(),
+                                               [&](const Rival& r) { return r.strength < own; });
 }
 
 Strength StrengthWithoutTie(Strength own, const std::string& own_guid,

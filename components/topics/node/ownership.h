@@ -14,7 +14,9 @@
 //     higher GUID, which is not heard, goes below all
 //   a writer that was silent for longer than the deadline while others were not goes below all,
 //     before it writes again: who was replaced stays so; after a silence in which discovery may
-//     have forgotten the others it joins anew
+//     have forgotten the others it joins anew; it is quiet until it has had time to be known as
+//     that, or is above all others all the same: those were silent as well, or have ended, and
+//     readers that wait for both would hear neither
 //   a handover, the operator's command, puts the writer above all, once it has settled: before that
 //     it may not hear yet what it computes its samples from
 //
@@ -77,6 +79,8 @@ Strength StrengthBelow(Strength own, std::span<const Rival> rivals);
 Strength StrengthAbove(Strength own, Strength first, std::span<const Rival> rivals);
 // Of a writer whose time to settle is over.
 Strength SettledStrength(Strength first, std::span<const Rival> rivals);
+// Has settled, above all others.
+bool Leads(Strength own, std::span<const Rival> rivals);
 // Of a settled writer: below all when it has its strength in common with a lower GUID.
 Strength StrengthWithoutTie(Strength own, const std::string& own_guid,
                             std::span<const Rival> rivals);

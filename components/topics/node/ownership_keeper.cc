@@ -3,6 +3,7 @@
 #include <sinew_idl/operator.h>
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <utility>
 
 #include "components/topics/node/codec.h"
@@ -183,6 +184,13 @@ void OwnershipKeeper::HandOver() {
         StrengthAbove(entry.writer->strength(), entry.first, RivalsOf(*entry.writer)));
   }
   spdlog::info("handover: '{}' takes over", node_.options.name);
+}
+
+bool OwnershipKeeper::Leads() {
+  const std::lock_guard<std::mutex> lock(writers_mutex_);
+  return std::all_of(writers_.begin(), writers_.end(), [this](const Entry& entry) {
+    return internal::Leads(entry.writer->strength(), RivalsOf(*entry.writer));
+  });
 }
 
 bool OwnershipKeeper::StepBelow(std::chrono::nanoseconds silence) {

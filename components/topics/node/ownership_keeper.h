@@ -4,8 +4,8 @@
 // EXCLUSIVE topic and sleeps until discovery finds or loses something, a writer has settled, or the
 // operator hands over: nothing of it runs in the loop's thread but StepBelow after a stall.
 //
-// Threads: Add, Remove and Close by the node's owner, StepBelow and SetCycle by the loop, Notify by
-// DDS.
+// Threads: Add, Remove and Close by the node's owner, StepBelow, Leads and SetCycle by the loop,
+// Notify by DDS.
 #pragma once
 
 #include <atomic>
@@ -44,6 +44,8 @@ class OwnershipKeeper {
   // others before this returns, or join anew where these may have been forgotten. True: one of
   // both, and false where there are no others.
   bool StepBelow(std::chrono::nanoseconds silence);
+  // All writers of this participant are above all others, as far as discovery knows.
+  bool Leads();
   // Of the running cycle: a handover counts for its session only, on live hardware from a live
   // operator only, and never from a recording.
   // stamp_ns: by the provider's clock.

@@ -434,7 +434,9 @@ struct TickLoop::Impl {
 
   // Who was silent and has been replaced is quiet for as long as the others may need to learn that
   // it is below, as one that joins, and takes no trigger from before: what it would say first is of
-  // before it was stopped, and a deadline is too short since discovery is below the cycles.
+  // before it was stopped, and a deadline is too short since discovery is below the cycles. It is
+  // the owner again where those were silent as well (a core that stood still) and went below it, or
+  // by a handover.
   bool MustBeQuiet(const Tick& tick) {
     const auto now = Clock::now();
     if (WasSilent(tick) && node.impl_->ownership.StepBelow(now - last_cycle)) {
@@ -445,6 +447,10 @@ struct TickLoop::Impl {
     last_stamp_ns = tick.stamp_ns;
     last_cycle = now;
     if (now >= quiet_until || tick.last) return false;
+    if (node.impl_->ownership.Leads()) {
+      quiet_until = now;
+      return false;
+    }
     ++counts.missed_ticks;
     return true;
   }

@@ -802,6 +802,26 @@ TEST(RobotController, AnotherGeneratorsReferenceIsReachedWithoutAStep) {
   EXPECT_NEAR(out.joint[0].position_rad, 0.5, 1e-9);
 }
 
+// What was followed has moved on since the last cycle, by more when cycles were missed.
+TEST(RobotController, AnotherGeneratorOfTheSameMotionLeavesNoOffset) {
+  for (const int missed : {0, 2}) {
+    RobotController controller({RigConfig(Strategy::kPid)});
+    RobotInput input = Still(0.2);
+    input.reference_count = 1;
+    Point at{0.2, 1.3, -2.0};
+    const auto step = [&](double period_s) {
+      at = reference::Extrapolated(at, period_s);
+      input.reference[0] = at;
+      input.period_s = period_s;
+      return controller.Step(input).joint[0].position_rad;
+    };
+    (void)step(kCycle_s);
+    for (int k = 0; k < 240; ++k) (void)step(kCycle_s);
+    input.reference_changed = true;
+    EXPECT_NEAR(step((1 + missed) * kCycle_s), at.position_rad, 1e-12) << missed;
+  }
+}
+
 TEST(RobotController, AnotherPredictorsTorqueFadesIn) {
   RobotController controller({RigConfig(Strategy::kPidEsn)});
   RobotInput input = Still(0.2);

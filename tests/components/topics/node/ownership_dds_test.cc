@@ -269,16 +269,31 @@ TEST(OwnershipDds, ALoopThatMissedTicksStandsByWhenItIsBack) {
   handover.action(msg::OPERATOR_HANDOVER);
   handover.role("control");
   handover.target("first");
-  ASSERT_EQ(operators.Write(handover), WriteStatus::kOk);
-  ASSERT_TRUE(wait_until([&] {
-    return strength_of("second") > kSettled && strength_of("first") > strength_of("second");
-  }));
+  const auto hand_over = [&] {
+    ASSERT_EQ(operators.Write(handover), WriteStatus::kOk);
+    ASSERT_TRUE(wait_until([&] {
+      return strength_of("second") > kSettled && strength_of("first") > strength_of("second");
+    }));
+  };
+  hand_over();
   EXPECT_EQ(step(5), 5u);  // 20 ms after tick 0: within the deadline
   const std::uint32_t before = strength_of("first");
   EXPECT_GT(before, strength_of("second"));
   EXPECT_GT(step(11, true), 11u);  // 24 ms later
   EXPECT_TRUE(wait_until([&] { return strength_of("first") < strength_of("second"); }));
   EXPECT_LT(strength_of("first"), before);
+
+  // While it is quiet it is handed over to: it goes on at once.
+  hand_over();
+  std::thread loops([&] {
+    while (step(1u << 20, true) < 1u << 20) {  // what is left of the ticks before
+    }
+  });
+  EXPECT_TRUE(wait_until([&] { return strength_of("first") < strength_of("second"); }));
+  const auto begin = Clock::now();
+  hand_over();
+  loops.join();
+  EXPECT_LT(Clock::now() - begin, internal::kSettleTime / 2);
 }
 
 }  // namespace

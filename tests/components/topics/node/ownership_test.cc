@@ -61,6 +61,14 @@ TEST(Ownership, WhoWasSilentGoesBelowAllButStaysWhereItIsAlone) {
   EXPECT_EQ(StrengthBelow(100, {}), 100u);
 }
 
+TEST(Ownership, WhoIsAboveAllOthersLeads) {
+  EXPECT_TRUE(Leads(8, std::vector<Rival>{{"a", 7}, {"b", kJoiningStrength}}));
+  EXPECT_TRUE(Leads(8, {})) << "the others have ended";
+  EXPECT_FALSE(Leads(8, std::vector<Rival>{{"a", 9}}));
+  EXPECT_FALSE(Leads(8, std::vector<Rival>{{"a", 8}})) << "the GUID decides, which is chance";
+  EXPECT_FALSE(Leads(kJoiningStrength, {})) << "it has not settled";
+}
+
 TEST(Ownership, AHandoverPutsItAboveAll) {
   const std::vector<Rival> rivals = {{"b", 90}, {"c", 80}};
   EXPECT_EQ(StrengthAbove(70, kFirst, rivals), kFirst) << "others must fit in below";
