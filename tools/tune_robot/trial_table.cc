@@ -3,8 +3,10 @@
 #include <cerrno>
 #include <cstring>
 #include <nlohmann/json.hpp>
+#include <span>
 
 #include "components/base/config/config.h"
+#include "components/base/types/fnv1a.h"
 #include "components/base/types/json_text.h"
 
 namespace sinew::tune {
@@ -82,13 +84,10 @@ std::string Difference(const Json& found, const Json& wanted) {
 }  // namespace
 
 std::string HashOfFile(const std::filesystem::path& path) {
-  std::uint64_t hash = 0xcbf29ce484222325ULL;  // FNV-1a, 64 bits
-  for (const char byte : config::ReadFile(path, config::kLargestData)) {
-    hash = (hash ^ static_cast<unsigned char>(byte)) * 0x100000001b3ULL;
-  }
-  char text[17];
-  std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(hash));
-  return text;
+  const std::string text = config::ReadFile(path, config::kLargestData);
+  types::Fnv1a hash;
+  hash.Add(std::as_bytes(std::span(text)));
+  return hash.Text();
 }
 
 TrialTable::TrialTable(const std::filesystem::path& path, const TableHead& head)

@@ -1,12 +1,13 @@
 #include "components/record/recording/csv_map.h"
 
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <stdexcept>
 
+#include "components/base/types/fnv1a.h"
 #include "components/base/types/seconds.h"
 #include "components/record/recording/csv.h"
 #include "components/record/recording/signal_fields.h"
@@ -201,12 +202,9 @@ types::Run ReadRun(const TableSource& source, const std::string& name, const Csv
 }
 
 std::string ContentHash(const types::Run& run) {
-  std::uint64_t hash = 0xcbf29ce484222325u;
+  types::Fnv1a hash;
   const auto add = [&hash](std::uint64_t word) {
-    for (int byte = 0; byte < 8; ++byte) {
-      hash ^= (word >> (8 * byte)) & 0xffu;
-      hash *= 0x100000001b3u;
-    }
+    for (int byte = 0; byte < 8; ++byte) hash.Add(static_cast<std::byte>(word >> (8 * byte)));
   };
   for (Eigen::Index row = 0; row < run.time_s.size(); ++row) {
     add(static_cast<std::uint64_t>(std::llround(run.time_s[row] * 1e9)));
@@ -217,10 +215,7 @@ std::string ContentHash(const types::Run& run) {
     for (Eigen::Index row = 0; row < values.size(); ++row)
       add(std::bit_cast<std::uint64_t>(values[row]));
   }
-  constexpr std::array<char, 17> kDigits = {"0123456789abcdef"};
-  std::string text;
-  for (int shift = 60; shift >= 0; shift -= 4) text += kDigits[(hash >> shift) & 0xfu];
-  return text;
+  return hash.Text();
 }
 
 }  // namespace sinew::recording

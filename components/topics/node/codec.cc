@@ -3,6 +3,7 @@
 #include <cstring>
 #include <stdexcept>
 
+#include "components/base/types/fnv1a.h"
 #include "components/topics/node/all_checks.h"
 #include "components/topics/node/all_codecs.h"
 #include "components/topics/node/all_messages.h"
@@ -90,11 +91,9 @@ SINEW_FOR_EACH_MESSAGE(SINEW_CODEC)
 #undef SINEW_CODEC
 
 std::uint64_t EventId(std::span<const std::byte> canonical_payload) {
-  std::uint64_t hash = 0xCBF29CE484222325u;
-  for (const std::byte byte : canonical_payload) {
-    hash = (hash ^ static_cast<std::uint64_t>(byte)) * 0x100000001B3u;
-  }
-  return hash;
+  types::Fnv1a hash;
+  hash.Add(canonical_payload);
+  return hash.value();
 }
 
 constexpr std::size_t kOriginOffset = 4 + 8 + 8 + 8;  // encapsulation, session, tick, stamp

@@ -1,5 +1,5 @@
-// Keeps one thread of Fast DDS out of SCHED_FIFO (docs/decisions/0014) and those of its discovery
-// and timers below the cycles (0015).
+// Keeps the threads of Fast DDS that send again (docs/decisions/0014), discover and keep timers
+// (0015) below the cycles.
 #include <dlfcn.h>
 #include <fastdds/rtps/common/Locator.h>
 
@@ -72,8 +72,7 @@ void std::thread::_M_start_thread(_State_ptr state, void (*depend)()) {
   const _State& runs = *state;
   const std::type_info& type = typeid(runs);
   if (sinew::node::internal::IsRetransmission(type)) {
-    state = std::make_unique<WithDuty>(std::move(state),
-                                       [] { sinew::node::internal::BecomeHelper("dds-resend"); });
+    state = std::make_unique<WithDuty>(std::move(state), &sinew::node::internal::BecomeResender);
   } else if (sinew::node::internal::KeepsTimers(type)) {
     state = std::make_unique<WithDuty>(std::move(state), &sinew::node::internal::BecomeTimers);
   } else if (type == typeid(Receives)) {

@@ -40,7 +40,7 @@ bool WakeUp::WaitUntil(std::chrono::steady_clock::time_point end) noexcept {
 
 namespace {
 
-enum class Duty { kHelper, kDiscovery, kTimers };
+enum class Duty { kHelper, kWriter, kResender, kDiscovery, kTimers };
 
 // The kernel's ids of the threads that are not raised like the others. Held while policies change,
 // so that a thread is raised before it gets its duty or not at all. Never destroyed: helpers may
@@ -71,7 +71,19 @@ int SetFifo(pid_t thread, int priority) noexcept {
 }
 
 int PriorityOf(Duty duty) noexcept {
-  return duty == Duty::kTimers ? kTimerPriority : kDiscoveryPriority;
+  switch (duty) {
+    case Duty::kHelper:
+      return 0;
+    case Duty::kWriter:
+      return kWriterPriority;
+    case Duty::kResender:
+      return kResenderPriority;
+    case Duty::kDiscovery:
+      return kDiscoveryPriority;
+    case Duty::kTimers:
+      return kTimerPriority;
+  }
+  return 0;
 }
 
 // An error, or 0.
@@ -79,7 +91,7 @@ int Raise(const Duties& duties, pid_t thread, int priority, const cpu_set_t* cpu
   const auto duty = duties.threads.find(thread);
   if (duty != duties.threads.end()) {
     priority = std::min(priority, PriorityOf(duty->second));
-    if (duty->second == Duty::kDiscovery) return SetFifo(thread, priority);
+    if (duty->second != Duty::kTimers) return SetFifo(thread, priority);
   }
   // In this order: on a core that real-time threads keep busy it is one of them already.
   const int error = SetFifo(thread, priority);
@@ -93,7 +105,7 @@ void Take(Duty duty, const char* name) noexcept {
   duties.threads[::gettid()] = duty;
   ::pthread_setname_np(::pthread_self(), name);
   static thread_local const UntilThreadEnds kUntilThreadEnds;
-  if (duty == Duty::kHelper) {
+  if (duty != Duty::kDiscovery && duty != Duty::kTimers) {
     const sched_param none{};
     ::pthread_setschedparam(::pthread_self(), SCHED_OTHER, &none);  // always allowed
   }
@@ -107,6 +119,8 @@ void Take(Duty duty, const char* name) noexcept {
 }  // namespace
 
 void BecomeHelper(const char* name) noexcept { Take(Duty::kHelper, name); }
+void BecomeWriter(const char* name) noexcept { Take(Duty::kWriter, name); }
+void BecomeResender() noexcept { Take(Duty::kResender, "dds-resend"); }
 void BecomeDiscovery() noexcept { Take(Duty::kDiscovery, "dds-discovery"); }
 void BecomeTimers() noexcept { Take(Duty::kTimers, "dds-timers"); }
 

@@ -44,14 +44,27 @@ class WakeUp {
 };
 
 // The calling thread is out of SCHED_FIFO until it ends, on any core of the process, whatever it
-// inherited and whoever raises the others. `name`: of at most 15 characters, shown by `ps -L`.
+// inherited and whoever raises the others. It writes nothing to DDS. `name`: of at most 15
+// characters, shown by `ps -L`.
 void BecomeHelper(const char* name) noexcept;
+
+// The calling thread writes to DDS beside the loop. What a participant sends passes one mutex,
+// which whoever sends holds: out of SCHED_FIFO it was preempted with it, for up to 37 ms while
+// another participant joined, and the loop did not send. Once the process is raised it is below
+// every cycle, on any core of the process.
+void BecomeWriter(const char* name) noexcept;
+inline constexpr int kWriterPriority = 5;
+
+// The same of what DDS sends again. It spins while another thread holds a writer's mutex: below all
+// that may hold one.
+void BecomeResender() noexcept;
+inline constexpr int kResenderPriority = 1;
 
 // The calling thread takes part in discovery, whose bursts (a participant that joins exchanges some
 // 40 endpoints with each other one) are no work of a cycle: once the process is raised it is below
 // every cycle, on any core of the process.
 void BecomeDiscovery() noexcept;
-inline constexpr int kDiscoveryPriority = 10;  // above SCHED_OTHER: it holds locks of writers
+inline constexpr int kDiscoveryPriority = 10;
 
 // The calling thread keeps DDS' timers, the deadlines of topics above all, which every sample sets
 // anew: once the process is raised it is below every cycle, on the cores of the others.

@@ -123,7 +123,7 @@ struct SnapshotPublisher::Impl {
   }
 
   void Run() {
-    internal::BecomeHelper("sinew-snapshot");
+    internal::BecomeWriter("sinew-snapshot");
     while (true) {
       wake_up.Wait();
       if (ended) return;

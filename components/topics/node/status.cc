@@ -118,7 +118,7 @@ void Status::SetCycle(std::uint64_t session_id, std::uint64_t tick, std::int64_t
 
 void Status::Run() {
   using std::chrono::steady_clock;
-  BecomeHelper("sinew-status");
+  BecomeWriter("sinew-status");
   auto due = steady_clock::now();
   std::uint64_t published_beats = 0;
   while (true) {
