@@ -12,6 +12,7 @@
 #include "components/topics/isolation/isolation.h"
 #include "tools/launch/deployment_files.h"
 #include "tools/launch/hosts.h"
+#include "tools/roles/roles.h"
 
 namespace sinew::launch {
 
@@ -321,8 +322,33 @@ void ApplySetting(const std::string& setting, const fs::path& folder, Deployment
   }
 }
 
+// Replies that only this program wrote end no tick any more. A program that is not ours may write
+// anything.
+void LeaveUnawaited(const std::string& program, Deployment* deployment) {
+  const auto role_of = [](const std::string& path) {
+    return security::RoleOfProgram(fs::path(path).filename().string());
+  };
+  std::vector<std::string> others;
+  for (const auto* list : {&deployment->processes, &deployment->elsewhere}) {
+    for (const Process& process : *list) {
+      others.push_back(role_of(process.program));
+      if (others.back().empty()) return;
+    }
+  }
+  const std::string role = role_of(program);
+  if (role.empty()) return;
+  const auto writes = [](const std::vector<std::string>& roles, const std::string& topic) {
+    const std::vector<std::string> topics = security::TopicsWrittenBy(roles);
+    return std::find(topics.begin(), topics.end(), topic) != topics.end();
+  };
+  std::erase_if(deployment->await, [&](const std::string& reply) {
+    const std::string topic = reply.substr(0, reply.find(':'));
+    return writes({role}, topic) && !writes(others, topic);
+  });
+}
+
 void RemoveProcess(const std::string& name, Deployment* deployment) {
-  FindMutable(deployment, name, "--without", name);
+  const std::string program = FindMutable(deployment, name, "--without", name)->program;
   if (name == deployment->provider) {
     FailOption("--without", name, "another process: this one is the provider");
   }
@@ -334,6 +360,7 @@ void RemoveProcess(const std::string& name, Deployment* deployment) {
     process.after.erase(std::remove(process.after.begin(), process.after.end(), name),
                         process.after.end());
   }
+  LeaveUnawaited(program, deployment);
 }
 
 // Programs that sinew-compose can run (tools/compose/chain.cc).

@@ -19,7 +19,7 @@
 #include "tools/security/documents.h"
 #include "tools/security/folder.h"
 #include "tools/security/members.h"
-#include "tools/security/roles.h"
+#include "tools/roles/roles.h"
 
 namespace sinew::security {
 

@@ -3,7 +3,7 @@
 #include <stdexcept>
 
 #include "components/topics/node/names.h"
-#include "tools/security/roles.h"
+#include "tools/roles/roles.h"
 
 namespace sinew::security {
 

@@ -13,7 +13,7 @@
 #include "components/base/types/joined.h"
 #include "components/topics/node/builtin_qos.h"
 #include "tools/security/documents.h"
-#include "tools/security/roles.h"
+#include "tools/roles/roles.h"
 
 namespace sinew::security {
 

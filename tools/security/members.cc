@@ -4,7 +4,7 @@
 
 #include "components/base/config/config.h"
 #include "components/base/types/joined.h"
-#include "tools/security/roles.h"
+#include "tools/roles/roles.h"
 
 namespace sinew::security {
 

@@ -34,6 +34,10 @@ using std::chrono::milliseconds;
 constexpr milliseconds kRepeatHandover(
     200);  // the command is volatile: said again until it is done
 
+// It is heard for so long, some deadlines of an owner (node/ownership.h), before it counts: who has
+// just begun may miss one, and is replaced.
+constexpr milliseconds kHeardFor(100);
+
 struct HandoverOptions {
   node::Options node;
   std::string role, target;
@@ -78,13 +82,20 @@ class Handover {
     const auto end = Clock::now() + std::chrono::duration<double>(options_.timeout_s);
     auto next_send = Clock::now();
     bool sent = false;
+    std::optional<Clock::time_point> heard_since;
     while (Clock::now() < end) {
       Listen();
       if (std::string why = NotToBe(); !why.empty()) return why;
       // Strengths alone do not say it: the others may not have been discovered yet, and who was
       // silent for a moment went below them again.
       const std::map<std::string, bool> topics = TopicsOf(node_, options_.target);
-      if (sent && !target_->standby() && HeardOfAll(topics) && Obeyed(topics)) return "";
+      if (!sent || target_->standby() || !HeardOfAll(topics) || !Obeyed(topics)) {
+        heard_since.reset();
+      } else if (!heard_since) {
+        heard_since = Clock::now();
+      } else if (Clock::now() - *heard_since >= kHeardFor) {
+        return "";
+      }
       if (state_ && target_ && commands_.matched_readers() > 0 && Clock::now() >= next_send) {
         sent = Send() || sent;
         next_send = Clock::now() + kRepeatHandover;

@@ -208,7 +208,9 @@ void AddDeploymentOptions(CLI::App& command, LaunchOptions* options) {
       ->type_name("PROCESS=ARGUMENT")
       ->take_all()
       ->expected(1);
-  command.add_option("--without", options->overrides.without, "Leave a process out")
+  command
+      .add_option("--without", options->overrides.without,
+                  "Leave a process out, and what only it is awaited for")
       ->type_name("PROCESS")
       ->take_all()
       ->expected(1);

@@ -295,6 +295,26 @@ TEST_F(DeploymentTest, LeavingAProcessOutAlsoRemovesTheWaitForIt) {
   EXPECT_TRUE(Load(text, overrides).processes[0].after.empty());
 }
 
+TEST_F(DeploymentTest, WhatOnlyAProcessThatIsLeftOutWroteIsNotAwaited) {
+  for (const char* name : {"bin/sinew-surrogate", "bin/sinew-esn", "bin/sinew-inverse-dynamics"}) {
+    std::filesystem::permissions(folder_.Write(name, "#!/bin/sh\n"),
+                                 std::filesystem::perms::owner_all);
+  }
+  const std::string chain =
+      "schema: sinew-deployment/1\nname: chain\nmode: lockstep\nduration_s: 1\n"
+      "provider: plant\nawait: [joint_command, \"torque_prediction:64\"]\nprocesses:\n"
+      "  - {name: plant, program: sinew-surrogate}\n  - {name: control, program: sinew-control}\n"
+      "  - {name: esn, program: sinew-esn}\n";
+  Overrides overrides;
+  overrides.without = {"esn"};
+  EXPECT_THAT(Load(chain, overrides).await, ElementsAre("joint_command"));
+  const std::string stand_in = "  - {name: other, program: sinew-inverse-dynamics}\n";
+  EXPECT_THAT(Load(chain + stand_in, overrides).await, Contains("torque_prediction:64"));
+  const std::string foreign = "  - {name: other, program: sinew-plant}\n";
+  EXPECT_THAT(Load(chain + foreign, overrides).await, Contains("torque_prediction:64"))
+      << "a program that may write it";
+}
+
 struct BadFile {
   std::string from, to;
   std::vector<std::string> words;  // of the message: line, key, what was expected

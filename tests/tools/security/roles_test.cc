@@ -1,5 +1,5 @@
 // Roles are the writers of the table in idl/README.md: nobody is forgotten, nobody gets more.
-#include "tools/security/roles.h"
+#include "tools/roles/roles.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

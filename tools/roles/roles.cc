@@ -1,4 +1,4 @@
-#include "tools/security/roles.h"
+#include "tools/roles/roles.h"
 
 #include <algorithm>
 #include <map>
