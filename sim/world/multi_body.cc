@@ -58,12 +58,12 @@ void MultiBody::Accelerate() noexcept {
   }
   for (Eigen::Index row = 0; row < C.rows(); ++row) {
     force = C.row(row).transpose();
-    body->calcAccelerationDeltasMultiDof(force.data(), A_Ct.col(row).data(), scratch_r, scratch_v);
+    body->calcAccelerationDeltasMultiDof(force.data(), a_ct.col(row).data(), scratch_r, scratch_v);
   }
   force.setZero();
   if (C.rows() == 0) return;
-  C_A_Ct.noalias() = C * A_Ct;
-  factor.compute(C_A_Ct);
+  c_a_ct.noalias() = C * a_ct;
+  factor.compute(c_a_ct);
   Couple();
 }
 
@@ -75,7 +75,7 @@ void MultiBody::Respond() noexcept {
 void MultiBody::Couple() noexcept {
   coupling.noalias() = C * response;
   factor.solveInPlace(coupling);
-  response.noalias() -= A_Ct * coupling;
+  response.noalias() -= a_ct * coupling;
 }
 
 MultiBody MakeMultiBody(const arm::Chain& chain, const Eigen::Vector3d& gravity_m_s2,
@@ -119,8 +119,8 @@ MultiBody MakeMultiBody(const arm::Chain& chain, const Eigen::Vector3d& gravity_
   out.force = out.response = Eigen::VectorXd::Zero(6 + multi.getNumDofs());
   const auto joints = static_cast<int>(out.joint_bodies.size());
   out.C = Eigen::MatrixXd::Zero(multi.getNumDofs() - joints, out.force.size());
-  out.A_Ct = out.C.transpose();
-  out.C_A_Ct.resize(out.C.rows(), out.C.rows());
+  out.a_ct = out.C.transpose();
+  out.c_a_ct.resize(out.C.rows(), out.C.rows());
   for (int i = 0, row = 0; i < count; ++i) {
     const arm::Coordinate& at = out.coordinates[static_cast<std::size_t>(i)];
     if (at.joint < 0 || at.body == i) continue;

@@ -57,7 +57,7 @@ struct MultiBody {
 
   void Couple() noexcept;  // adds what the couplings make of `response`
 
-  Eigen::MatrixXd C, A_Ct, C_A_Ct;
+  Eigen::MatrixXd C, a_ct, c_a_ct;
   Eigen::VectorXd coupling;  // C a0, then -l
   Eigen::LLT<Eigen::MatrixXd> factor;
   btAlignedObjectArray<btScalar> scratch_r;

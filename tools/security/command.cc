@@ -16,10 +16,10 @@
 #include "components/base/types/joined.h"
 #include "components/topics/node/host_name.h"
 #include "tools/launch/deployment.h"
+#include "tools/roles/roles.h"
 #include "tools/security/documents.h"
 #include "tools/security/folder.h"
 #include "tools/security/members.h"
-#include "tools/roles/roles.h"
 
 namespace sinew::security {
 

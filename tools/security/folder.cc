@@ -12,8 +12,8 @@
 #include "components/base/config/whole_file.h"
 #include "components/base/types/joined.h"
 #include "components/topics/node/builtin_qos.h"
-#include "tools/security/documents.h"
 #include "tools/roles/roles.h"
+#include "tools/security/documents.h"
 
 namespace sinew::security {
 
