@@ -337,13 +337,12 @@ void LeaveUnawaited(const std::string& program, Deployment* deployment) {
   }
   const std::string role = role_of(program);
   if (role.empty()) return;
-  const auto writes = [](const std::vector<std::string>& roles, const std::string& topic) {
-    const std::vector<std::string> topics = security::TopicsWrittenBy(roles);
-    return std::find(topics.begin(), topics.end(), topic) != topics.end();
-  };
+  const std::vector<std::string> written = security::TopicsWrittenBy({role}),
+                                 still_written = security::TopicsWrittenBy(others);
   std::erase_if(deployment->await, [&](const std::string& reply) {
     const std::string topic = reply.substr(0, reply.find(':'));
-    return writes({role}, topic) && !writes(others, topic);
+    return std::ranges::binary_search(written, topic) &&
+           !std::ranges::binary_search(still_written, topic);
   });
 }
 

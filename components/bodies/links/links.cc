@@ -10,8 +10,8 @@ MovingLinks MovingLinksOf(const Chain& chain) {
     const Carried on =
         body.parent < 0 ? Carried{} : out.bodies[static_cast<std::size_t>(body.parent)];
     const Eigen::Isometry3d in_link = on.link_from_body * body.parent_from_joint;
-    if (body.moves) RequireFree(body);
     if (body.moves) {
+      RequireFree(body);
       out.bodies.push_back({static_cast<int>(out.links.size()), identity});
       out.links.push_back({on.link, body.prismatic, in_link, body.axis.normalized(), body.link_name,
                            body.joint_name,

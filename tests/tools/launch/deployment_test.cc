@@ -42,7 +42,8 @@ class DeploymentTest : public ::testing::Test {
  protected:
   DeploymentTest() {
     for (const char* name :
-         {"bin/sinew-plant", "bin/sinew-logger", "bin/sinew-control", "bin/sinew-compose"}) {
+         {"bin/sinew-plant", "bin/sinew-logger", "bin/sinew-control", "bin/sinew-compose",
+          "bin/sinew-surrogate", "bin/sinew-esn", "bin/sinew-inverse-dynamics"}) {
       std::filesystem::permissions(folder_.Write(name, "#!/bin/sh\n"),
                                    std::filesystem::perms::owner_all);
     }
@@ -296,10 +297,6 @@ TEST_F(DeploymentTest, LeavingAProcessOutAlsoRemovesTheWaitForIt) {
 }
 
 TEST_F(DeploymentTest, WhatOnlyAProcessThatIsLeftOutWroteIsNotAwaited) {
-  for (const char* name : {"bin/sinew-surrogate", "bin/sinew-esn", "bin/sinew-inverse-dynamics"}) {
-    std::filesystem::permissions(folder_.Write(name, "#!/bin/sh\n"),
-                                 std::filesystem::perms::owner_all);
-  }
   const std::string chain =
       "schema: sinew-deployment/1\nname: chain\nmode: lockstep\nduration_s: 1\n"
       "provider: plant\nawait: [joint_command, \"torque_prediction:64\"]\nprocesses:\n"
