@@ -9,6 +9,7 @@
 
 #include "components/topics/node/filtered_transport.h"
 #include "components/topics/node/host_name.h"
+#include "components/topics/node/ownership.h"
 #include "components/topics/node/version.h"
 #include "components/topics/wire/component_state.h"
 #include "components/topics/wire/wire.h"
@@ -47,6 +48,7 @@ Status::Status(const std::string& component, const std::string& name)
 
 void Status::Open(std::unique_ptr<WriterImpl> writer) {
   writer_ = std::move(writer);
+  opened_ = std::chrono::steady_clock::now();
   Beat();
   thread_ = std::thread([this] { Run(); });
 }
@@ -61,8 +63,15 @@ void Status::Close() {
   }
   wake_up_.Give();
   if (thread_.joinable()) thread_.join();
-  // Why it ends is what an observer must hear: a reader that sees the writer go drops what it has
-  // not taken yet. One that is stopped holds the end up no longer than this.
+  // Why it ends is what an observer must hear, also one that discovery has not brought together with
+  // it yet: Fast DDS repeats the endpoints once a second (edp_heartbeat_period in EDPSimple.cpp) to
+  // those whose announcement it has heard, and one of the two repeats may be lost as well.
+  constexpr auto kFound = kSettleTime + 2 * std::chrono::seconds(1);
+  if (writer_ && values_.state == Node::State::kFault) {
+    std::this_thread::sleep_until(opened_ + kFound);
+  }
+  // A reader that sees the writer go drops what it has not taken yet. One that is stopped holds the
+  // end up no longer than this.
   constexpr std::chrono::milliseconds kHeard(200);
   if (writer_) (void)writer_->WaitAcknowledged(kHeard);
   writer_.reset();

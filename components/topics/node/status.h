@@ -27,7 +27,7 @@ class Status {
   // Publishes from here on, the first message at once.
   void Open(std::unique_ptr<WriterImpl> writer);
   // Publishes the last message (stopped, unless the component is in fault) and ends thread and
-  // writer.
+  // writer. A component in fault stays until 3 s after Open, so that every observer has found it.
   void Close();
 
   // Published at once when the state or the message changes; of changes in quick succession the
@@ -72,6 +72,7 @@ class Status {
 
   WakeUp wake_up_;
   std::unique_ptr<WriterImpl> writer_;  // of the thread
+  std::chrono::steady_clock::time_point opened_;
   std::uint64_t failed_publications_ = 0;
   std::thread thread_;
 };

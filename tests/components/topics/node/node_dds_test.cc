@@ -13,6 +13,7 @@
 #include <fstream>
 #include <iterator>
 #include <limits>
+#include <optional>
 #include <thread>
 
 #include "components/topics/node/codec.h"
@@ -550,6 +551,23 @@ TEST(NodeDds, StatusIsLatchedPerComponent) {
   EXPECT_EQ(seen["second"].message().to_string(), "sensor lost");
   EXPECT_EQ(seen["first"].idl_hash().to_string(), AllTopicsHash());
   EXPECT_GT(seen["first"].resident_MB(), 1.0);
+}
+
+TEST(NodeDds, AFaultIsHeardByAnObserverThatFindsTheComponentAtItsEnd) {
+  std::optional<Node> ends(std::in_place, MakeOptions("ends", 117));
+  ends->SetState(Node::State::kFault, "sensor lost");
+  std::thread end([&ends] { ends.reset(); });
+  Node late(MakeOptions("late", 117));
+  auto reader = late.MakeReader(kComponentStatus);
+  std::string heard;
+  EXPECT_TRUE(WaitUntil(late, [&] {
+    while (const auto status = reader.TakeNext()) {
+      if (status->name().to_string() == "ends") heard = status->message().to_string();
+    }
+    return !heard.empty();
+  }));
+  EXPECT_EQ(heard, "sensor lost");
+  end.join();
 }
 
 TEST(NodeDds, StatusCountsWhatReadersCouldNotUse) {
