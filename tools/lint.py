@@ -4,8 +4,9 @@
 
 tools/lint_clean.txt lists the hashes of the sources that clang-tidy found clean. The hash of a source covers the version
 of clang-tidy, .clang-tidy, and the texts of the source and of all project files that it includes, also through others.
-Include lines of project files, blank lines and the names of files do not count: what is moved stays clean. Not covered:
-compile flags, the system's headers, and findings that depend on other sources of the unit; `--all` reads these too.
+Include lines of project files, lines of comment, blank lines and the names of files do not count: what is moved or only
+worded anew stays clean. Not covered: compile flags, the system's headers, and findings that depend on other sources of
+the unit; `--all` reads these too.
 """
 import hashlib
 import json
@@ -21,6 +22,7 @@ FORMATTED = PRODUCT + ("bench", "tests")
 CLEAN = pathlib.Path("tools/lint_clean.txt")
 TITLE = "# Hashes of the sources that clang-tidy found clean (tools/lint.py); written by tools/lint --record.\n"
 INCLUDE = re.compile(r'\s*#\s*include\s*(["<])([^">]+)')
+COMMENT = re.compile(r"\s*//(?!.*NOLINT)")
 FINDING = re.compile("(error|warning): ")
 GENERATED = (  # an include that the tree does not have, and what the build makes it from
     (r"sinew_idl/(\w+?)(PubSubTypes)?\.h", r"idl/\1.idl"),
@@ -54,7 +56,8 @@ def read(path):
         if match and match[1] == '"' and not reached:
             sys.exit(f"{path}: error: includes {match[2]}, which neither the tree nor GENERATED of tools/lint.py has")
         included += reached
-        if line.strip() and not reached and (line.startswith("|") or not path.endswith(".md")):
+        counts = line.startswith("|") if path.endswith(".md") else not COMMENT.match(line)
+        if line.strip() and not reached and counts:
             text.append(line)
     return hashlib.sha256("\n".join(text).encode()).digest(), included
 

@@ -88,7 +88,10 @@ class Lint(unittest.TestCase):
         for name in ("components/a/a.cc", "components/a/deep.h", "idl/joint.idl"):
             text = (self.root / name).read_text()
             self.write(name, text + "// more\n")
-            self.assertEqual(self.lint(), (0, "1 units checked, 0 findings"), name)
+            self.assertEqual(self.lint(), (0, "0 units checked, 0 findings"), name)
+            for more in ("int more;\n", "// NOLINTNEXTLINE\n"):
+                self.write(name, text + more)
+                self.assertEqual(self.lint(), (0, "1 units checked, 0 findings"), name)
             self.write(name, text)
         self.assertEqual(self.lint(), (0, "0 units checked, 0 findings"))
         self.assertEqual(self.lint(VERSION="15"), (0, "2 units checked, 0 findings"))
