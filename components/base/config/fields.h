@@ -69,9 +69,9 @@ class Fields {
   bool linear() const { return linear_; }
   void set_linear(bool linear) { linear_ = linear; }  // units of the keys with ~, below as well
 
-  // What is left out stays as it is, an optional value empty. Value: a number, text, path (that
-  // exists), list of these, a struct with a Describe, or a list of structs, whose range is the
-  // number of entries.
+  // A key that is left out leaves its value as it is, an optional value empty. Value: a number,
+  // text, path (that exists), list of these, a struct with a Describe, or a list of structs, whose
+  // range is the number of entries.
   template <class T>
   void operator()(std::string_view key, T&& value, Range range, std::string_view help) {
     Visit({key, range, help, false}, value);
@@ -165,7 +165,7 @@ class Fields {
   // Checks that span keys, when reading, after the last key: unknown ones are refused first, as a
   // mistyped one has its default.
   void Require(bool holds, std::string_view key, const std::string& message) const;
-  // What the body throws as std::invalid_argument is an error of the key.
+  // A std::invalid_argument that the body throws is an error of the key.
   void Check(std::string_view key, const std::function<void()>& body) const;
   [[noreturn]] void Fail(std::string_view key, const std::string& message) const {
     section_->Fail(Key(key), message);

@@ -19,7 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// What stat() calls it; nothing for what is written, by itself or in its place.
+// Kind of a refused file, by stat(); nothing for one that is written, by itself or in its place.
 const char* RefusedKind(mode_t mode) {
   if (S_ISDIR(mode)) return "a folder";
   if (S_ISBLK(mode)) return "a block device";

@@ -15,8 +15,8 @@ namespace sinew::config {
 
 namespace {
 
-// What yaml-cpp would load without a word: bounds, keys given twice, keys without a value. Runs
-// before a node is made.
+// Refuses what yaml-cpp would load without a word: bounds, keys given twice, keys without a value.
+// Runs before a node is made.
 class DocumentCheck : public YAML::EventHandler {
  public:
   explicit DocumentCheck(std::string name) : name_(std::move(name)) {}

@@ -1,4 +1,4 @@
-// Which instruction set runs an inner loop in the least time on this machine, by a measurement.
+// The instruction set that runs an inner loop in the least time on this machine, by a measurement.
 // All sets give the same bits, so the choice changes the speed only. The widest set is not always
 // the fastest: docs/decisions/0011-vector-kernels.md.
 #pragma once

@@ -1,5 +1,5 @@
-// Whose commands count: the one rule for every message that can move the robot or permit it to be
-// moved (the commanding topics of idl/README.md). Pure.
+// The one rule of which commands count, for every message that can move the robot or permit it to
+// be moved (the commanding topics of idl/README.md). Pure.
 //
 // The running session is the one that the state provider announces in joint_state. A row is what a
 // message may be, columns are the origin of the session:

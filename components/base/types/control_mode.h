@@ -1,4 +1,4 @@
-// What a motor controller regulates.
+// The quantity that a motor controller regulates.
 //
 // CommandMode of idl/joint.idl and the values of the CAN protocol (bridge/can/codec.h) are the same
 // modes as they are written to the wire; their numbers may differ from these.

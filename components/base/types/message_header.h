@@ -1,4 +1,4 @@
-// Which cycle of which session a message belongs to (header of every topic, idl/header.idl).
+// The cycle and the session that a message belongs to (header of every topic, idl/header.idl).
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// What set-up phases and experiments ask a joint to do instead of following its reference.
+// Motion that set-up phases and experiments ask of a joint instead of following its reference.
 #pragma once
 
 namespace sinew::types {

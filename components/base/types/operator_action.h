@@ -1,4 +1,4 @@
-// What an operator asks of the robot.
+// Actions that an operator asks of the robot.
 #pragma once
 
 namespace sinew::types {

@@ -96,7 +96,7 @@ class StateArchive {
     CheckSize(static_cast<std::uint64_t>(values.size()));
     Raw(values.data(), static_cast<std::size_t>(values.size()) * sizeof(Scalar));
   }
-  // Of the configuration: there or not there on both sides.
+  // The configuration decides whether an optional value is there: on both sides or on none.
   template <class T>
   void Field(std::optional<T>& value) {
     CheckSize(value ? 1 : 0);

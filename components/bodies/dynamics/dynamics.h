@@ -48,7 +48,7 @@ class ArmDynamics {
   Eigen::Vector3d gravity_;
 };
 
-// Which parameters the torques of any motion can show. The other columns of Y are combinations of
+// Parameters that the torques of any motion can show. The other columns of Y are combinations of
 // the independent ones: Y_dependent = Y_independent K, so beta = phi_independent + K phi_dependent
 // is all that can be identified (Gautier, Khalil: IEEE Trans. Robotics and Automation 6 (1990)
 // 368).
@@ -59,8 +59,8 @@ struct BaseParameters {
   Eigen::VectorXd Of(const Eigen::Ref<const Eigen::VectorXd>& phi) const;
 };
 
-// Of regressors stacked row by row, of more rows than columns, at states that excite everything: by
-// a rank-revealing QR.
+// Base parameters of regressors stacked row by row, of more rows than columns, at states that
+// excite everything: by a rank-revealing QR.
 BaseParameters BaseParametersOf(const Eigen::Ref<const Eigen::MatrixXd>& regressors);
 
 // At random states; the seed decides those.

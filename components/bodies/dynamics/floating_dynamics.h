@@ -71,7 +71,7 @@ class FloatingDynamics {
   std::vector<LinkWrench> wrenches_;
 };
 
-// Which parameters forces on the base and torques of any motion can show; seed: of the states.
+// Parameters that forces on the base and torques of any motion can show; seed: of the states.
 BaseParameters FindBaseParameters(FloatingDynamics& dynamics, unsigned seed = 1);
 
 }  // namespace sinew::arm

@@ -35,7 +35,7 @@ struct WrenchColumns {
   Eigen::Matrix<double, 3, kParametersPerBody> f, n;
 };
 
-// Of a link on a parent that moves so, with its joint's position, velocity and acceleration.
+// Motion of a link on a parent that moves so, with its joint's position, velocity and acceleration.
 inline LinkMotion Outward(const MovingLink& link, const LinkMotion& parent, double q, double v,
                           double a) noexcept {
   Eigen::Isometry3d in_parent = link.parent_from_joint;

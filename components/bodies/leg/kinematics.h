@@ -64,7 +64,7 @@ struct LegGeometry {
   Eigen::Vector3d sole_in_ankle_m = Eigen::Vector3d::Zero();  // from the ankle roll axis
 };
 
-// Of the sole in the pelvis's frame, (1) and (3).
+// Pose of the sole in the pelvis's frame, (1) and (3).
 Eigen::Isometry3d Forward(const LegGeometry& geometry, const LegAngles& q) noexcept;
 
 enum class Reach {
@@ -76,10 +76,10 @@ enum class Reach {
 
 struct LegSolution {
   Reach reach = Reach::kUndefined;
-  // How far beyond what the leg reaches the ankle pitch axis lies, m; 0 when reached.
+  // Distance of the ankle pitch axis beyond what the leg reaches, m; 0 when reached.
   double miss_m = 0.0;
-  // When too far or too near: of the straight or the folded leg in that direction, with the asked
-  // orientation of the sole. Zero when undefined.
+  // Joint angles; when too far or too near, those of the straight or the folded leg in that
+  // direction, with the asked orientation of the sole. Zero when undefined.
   LegAngles q = LegAngles::Zero();
 
   bool ok() const noexcept { return reach == Reach::kReached; }

@@ -30,7 +30,7 @@ std::optional<SquatMotion> SquatAt(const LegGeometry& geometry, double foot_forw
   const double knee_square = out.knee.velocity_rad_s * out.knee.velocity_rad_s;
   out.knee.acceleration_rad_s2 = -(ddu / (2.0 * a * b) + cosine * knee_square) / sine;
 
-  // Of the line from hip to ankle, atan2(-x, h).
+  // First and second derivative of the angle of the line from hip to ankle, atan2(-x, h).
   const double line_rate = x * dh / u;
   const double line_curvature = x * (ddh * u - dh * du) / (u * u);
   const double g = (b * b + a * b * cosine) / u;

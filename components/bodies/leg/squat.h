@@ -19,7 +19,7 @@
 
 namespace sinew::leg {
 
-// Of the hip centre above the ankle pitch axis.
+// Motion of the hip centre above the ankle pitch axis.
 struct HipHeight {
   double height_m = 0.0;
   double velocity_m_s = 0.0;  // upwards

@@ -67,7 +67,7 @@ inline bool IsFree(const Body& body) noexcept { return body.moves && !body.mimic
 // Index of the body that a joint moves, or -1.
 int FindJoint(const Chain& chain, const std::string& joint_name);
 
-// What moves a body's joint: position = multiplier x that of free joint number `joint` + offset.
+// Position of a body's joint: multiplier x that of free joint number `joint` + offset.
 struct Coordinate {
   int joint = -1, body = -1;  // of the free joint, in the chain's order; -1: a fixed joint
   double multiplier = 1.0, offset = 0.0;

@@ -119,7 +119,7 @@ void DoubleSupport::Kinematics(const Eigen::Ref<const Eigen::VectorXd>& q,
 }
 
 bool DoubleSupport::SolveBase() noexcept {
-  // Of each sole alone, (1).
+  // Motion of the base by each sole alone, (1).
   std::array<Eigen::Vector3d, kSoles> up, w, v, dw, a;
   for (std::size_t s = 0; s < kSoles; ++s) {
     sole_in_base_[s] = Fixed(LinkOf(soles_[s].link), soles_[s].link_from_body);

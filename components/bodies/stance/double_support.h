@@ -67,8 +67,8 @@ struct DoubleSupportConfig {
   double gravity_m_s2 = 9.81;
 };
 
-// How far the two soles are from asking the same of the base: norms of the differences of (1), and
-// of their heights. All 0 where the joints keep the closed chain.
+// Difference between what the two soles ask of the base: norms of the differences of (1), and of
+// their heights. All 0 where the joints keep the closed chain.
 struct StanceMismatch {
   double tilt_rad = 0.0;  // between the normals
   double height_m = 0.0;  // first above second, along `up`
@@ -115,11 +115,11 @@ class DoubleSupport {
   const DoubleSupportSolution& Solve(const Eigen::Ref<const Eigen::VectorXd>& q,
                                      const Eigen::Ref<const Eigen::VectorXd>& v,
                                      const Eigen::Ref<const Eigen::VectorXd>& a) noexcept;
-  // Of the last Solve; not ok before.
+  // Solution of the last Solve; not ok before.
   const DoubleSupportSolution& result() const { return result_; }
 
  private:
-  // Of a link, the base at rest, in the base's axes and from its origin; v, a of the link's origin.
+  // A link, the base at rest, in the base's axes and from its origin; v, a of the link's origin.
   struct InBase {
     Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
     Eigen::Vector3d p = Eigen::Vector3d::Zero();

@@ -68,12 +68,12 @@ class InverseDynamics {
   // such joint leaves none valid. Signals that the robot does not measure count as 0 (temperature:
   // 25 degrees).
   Prediction Step(const Frame& frame, double period_s) noexcept;
-  // What Step needs beside its input, to the bit: types/state_archive.h. Reading, throws
-  // std::invalid_argument.
+  // Exchanges all that Step needs beside its input, to the bit: types/state_archive.h. Reading,
+  // throws std::invalid_argument.
   void Exchange(types::StateArchive& archive);
 
   int joint_count() const noexcept { return static_cast<int>(joints_.size()); }
-  // Of the last Step; null without a stance.
+  // Solution of the last Step; null without a stance.
   const stance::DoubleSupportSolution* stance() const noexcept {
     return stance_ ? &stance_->result() : nullptr;
   }

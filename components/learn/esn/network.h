@@ -68,8 +68,8 @@ class Network {
     return features_.segment(1 + inputs_, neurons_);
   }
   void SetState(const Eigen::Ref<const Eigen::VectorXd>& state) noexcept;
-  // What Step needs beside its input, to the bit: types/state_archive.h. Reading, throws
-  // std::invalid_argument.
+  // Exchanges all that Step needs beside its input, to the bit: types/state_archive.h. Reading,
+  // throws std::invalid_argument.
   void Exchange(types::StateArchive& archive);
 
   int input_count() const noexcept { return inputs_; }

@@ -1,4 +1,4 @@
-// When to learn, and for which network; target.h says from what.
+// Adaptation of the readouts: when to learn, and for which network; target.h says from what.
 //
 // Nothing is learnt (frozen) while
 //  - the robot is not armed, or the sample is not usable: no network counted, the command was not a
@@ -54,8 +54,8 @@ class Adapter {
                            const Eigen::Ref<const Eigen::MatrixXd>& readout) noexcept;
 
   Frozen Step(const Observation& observation) noexcept;
-  // What Step needs beside its input, to the bit: types/state_archive.h. Reading, throws
-  // std::invalid_argument.
+  // Exchanges all that Step needs beside its input, to the bit: types/state_archive.h. Reading,
+  // throws std::invalid_argument.
   void Exchange(types::StateArchive& archive);
 
   // The network of the last usable sample; at the start one that is there.

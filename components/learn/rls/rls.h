@@ -101,8 +101,8 @@ class RecursiveLeastSquares {
   // O(features^2).
   double CovarianceTrace() const noexcept;
   Eigen::MatrixXd Covariance() const;
-  // What Step needs beside its input, to the bit: types/state_archive.h. Reading, throws
-  // std::invalid_argument.
+  // Exchanges all that Step needs beside its input, to the bit: types/state_archive.h. Reading,
+  // throws std::invalid_argument.
   void Exchange(types::StateArchive& archive);
 
   int feature_count() const noexcept { return size_; }

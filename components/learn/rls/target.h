@@ -50,7 +50,7 @@ struct TargetConfig {
   std::optional<esn::StanceConfig> stance = std::nullopt;  // rigid bodies of a biped, in M
 };
 
-// What one tick brought. Arrays are by joint.
+// Data of one tick. Arrays are by joint.
 struct TickData {
   std::uint64_t tick = 0;
   double period_s = 0.0;
@@ -82,8 +82,8 @@ class TargetEquation {
   };
   // Nothing: no whole window yet, or something in it was not usable. Valid until the next call.
   std::optional<Sample> Push(const TickData& data) noexcept;
-  // What Step needs beside its input, to the bit: types/state_archive.h. Reading, throws
-  // std::invalid_argument.
+  // Exchanges all that Step needs beside its input, to the bit: types/state_archive.h. Reading,
+  // throws std::invalid_argument.
   void Exchange(types::StateArchive& archive);
 
  private:

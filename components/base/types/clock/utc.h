@@ -10,7 +10,7 @@ namespace sinew::types {
 // 1970-01-01 00:00:00 UTC, may be negative.
 std::string UtcText(std::int64_t epoch_ns);
 
-// Of now.
+// UtcText of the present instant.
 std::string UtcNow();
 
 }  // namespace sinew::types

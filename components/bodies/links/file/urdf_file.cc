@@ -138,7 +138,7 @@ void ReadJoint(const urdf::Joint& joint, const Where& where, Body* body) {
   }
 }
 
-// What urdfdom refuses without a line.
+// Refuses what urdfdom refuses without a line.
 void CheckJoint(const TiXmlElement& joint, const Where& where) {
   constexpr struct {
     const char *element, *attribute;

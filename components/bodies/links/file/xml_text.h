@@ -15,7 +15,7 @@ namespace sinew::arm {
 // a plugin's settings perhaps 10. TinyXML needs below 1 KiB of stack for each.
 inline constexpr std::size_t kMostXmlLevels = 100;
 
-// What keeps a text from TinyXML, and the line. Levels are counted exactly for what it reads.
+// Reason to keep a text from TinyXML, and its line. Levels are counted exactly for what it reads.
 struct XmlProblem {
   int line = 0;  // 0: none
   std::string what;

@@ -37,7 +37,7 @@ void CheckConfig(const DatasetConfig& config) {
           "above 0, at most 1");
 }
 
-// What must have been measured for an input.
+// The signal that must have been measured for an input.
 Measured SourceOf(Signal input) {
   switch (input) {
     case Signal::kMotorVelocity:

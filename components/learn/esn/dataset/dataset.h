@@ -73,7 +73,7 @@ Dataset MakeRobotDataset(const std::vector<std::vector<types::Run>>& runs_of_joi
 
 // Inputs with their joint, as weights hold them.
 std::vector<Input> InputsOfJoint(const std::vector<Signal>& signals, int joint);
-// Of joints 0 .. count - 1, in the order of MakeRobotDataset.
+// Inputs of joints 0 .. count - 1, in the order of MakeRobotDataset.
 std::vector<Input> InputsOfRobot(const std::vector<Signal>& signals, int count);
 
 }  // namespace sinew::esn

@@ -9,7 +9,7 @@
 namespace sinew::esn {
 namespace {
 
-// Of the fields of Exchange and of all that they contain.
+// Version of the fields of Exchange and of all that they contain.
 constexpr std::uint32_t kEsnStateVersion = 1;
 
 class EsnComponent final : public node::TickComponent {

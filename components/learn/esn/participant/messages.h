@@ -20,7 +20,7 @@ bool FillFrom(const msg::Reference& message, Frame* frame);
 // The play angle is known while the regime is.
 bool FillFrom(const msg::RegimeState& message, Frame* frame);
 
-// Of the first joint.
+// Regime of the first joint.
 types::Regime RegimeOf(const msg::RegimeState& message);
 
 // Takes the readout of a message unless it is the one in use. False: it does not fit the network.

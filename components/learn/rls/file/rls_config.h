@@ -14,7 +14,7 @@ namespace sinew::rls {
 
 inline constexpr char kSchema[] = "sinew-rls-participant/1";
 
-// Where the drive torque comes from.
+// Source of the drive torque.
 enum class TorqueFrom {
   kMeasured,  // the model's drive terms at the measured current (or voltage)
   kCommand,   // the same at the commanded motor torque: for drives whose current is not measured

@@ -9,7 +9,7 @@
 namespace sinew::rls {
 namespace {
 
-// Of the fields of Exchange and of all that they contain.
+// Version of the fields of Exchange and of all that they contain.
 constexpr std::uint32_t kRlsStateVersion = 1;
 
 class RlsComponent final : public node::TickComponent {

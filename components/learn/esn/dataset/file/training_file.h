@@ -1,4 +1,4 @@
-// What to train and how: schema sinew-esn-train/1, described in docs/formats_esn.md.
+// Plan of a training: schema sinew-esn-train/1, described in docs/formats_esn.md.
 #pragma once
 
 #include <filesystem>
