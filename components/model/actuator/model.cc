@@ -230,7 +230,7 @@ void RemakeEffects(JointModel* model) {
   constants.pneumatic_stiffness_Nm_rad_bar =
       stiffness != nullptr ? stiffness->linear.front().value : 0.0;
   constants.pneumatic_rest_rad = stiffness != nullptr ? stiffness->nonlinear.front().value : 0.0;
-  // Where both torques of a gear are measured the drive is what the link puts on it: the load.
+  // The drive is what the link puts on it, the load, where both torques of a gear are measured.
   const bool behind = term("drive_torque") != nullptr && term("load_force") != nullptr;
   const double share = DriveShare(*model, effects::Balance::kMotion);
   const auto taken = [&](const char* effect) {

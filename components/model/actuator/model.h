@@ -138,11 +138,11 @@ struct Payload {
   std::array<double, 3> position_m{};   // in the link's frame
   bool declared = true;                 // false: added by close-loop
   std::optional<double> half_width_95;  // of the mass, kg, of the fit that added it
-  // Of the position, m. A coordinate whose half width exceeds the length of the link is assumed.
+  // Half widths, m. A coordinate whose half width exceeds the length of the link is assumed.
   std::optional<std::array<double, 3>> position_half_width_95;
 };
 
-// What a robot that stands on two feet measures of its body, and how well its links and its IMU are
+// Sensors of the body of a robot that stands on two feet, and how well its links and its IMU are
 // known: the base floats, and all joints share one balance (components/model/stance_fit).
 struct FloatingBase {
   std::array<std::string, 8> force_links;  // in the order of the topic foot_force

@@ -31,7 +31,7 @@ struct BaseParameter {
   double half_width_95 = 0.0;
 };
 
-// Of the measured torques, all rows of moving joints.
+// Error against the measured torques, all rows of moving joints.
 struct ArmError {
   std::vector<double> rms_Nm;            // per joint
   std::vector<double> relative_percent;  // per joint, 100 |residual| / |torque|

@@ -37,8 +37,8 @@ std::optional<LoadOnLink> LoadHeldOut(const Arm& arm, const actuator::RobotModel
 // std::invalid_argument unless there is a weight for each.
 ArmError Pooled(const std::vector<ArmError>& errors, const std::vector<double>& rows);
 
-// Of all joints fitted together to train, on the held-out recordings: mean of rms over twice the
-// effort limit, per cent; relative without limits.
+// Error of all joints fitted together to train, on the held-out recordings: mean of rms over twice
+// the effort limit, per cent; relative without limits.
 double HeldOutError(const Arm& arm, const actuator::RobotModel& robot, const ArmRuns& train,
                     const ArmRuns& held_out, const identify::ProcessingOptions& processing);
 

@@ -13,8 +13,8 @@ namespace {
 
 // Less is not what happened, but a part of it. Provisional.
 constexpr double kLeastShare = 0.95;
-// Where a load may be: standard deviation of each coordinate in the link's frame, m. Without, a
-// small mass far out stands for any moment.
+// Spread of a load's place: standard deviation of each coordinate in the link's frame, m. Without,
+// a small mass far out stands for any moment.
 constexpr double kWithin_m = 0.5;
 // The same of a mass that the motion hardly shows, kg.
 constexpr double kAnyMass_kg = 1e3;
@@ -40,7 +40,7 @@ struct Misfit : Eigen::DenseFunctor<double> {
   const Eigen::VectorXd& target;
 };
 
-// How the base parameters follow the ten of link k (BaseParameters::Of is linear).
+// Change of the base parameters with the ten of link k (BaseParameters::Of is linear).
 Eigen::MatrixXd OfLink(const ArmDynamics& dynamics, const BaseParameters& base, int k) {
   Eigen::MatrixXd out(base.K.rows(), kParametersPerBody);
   for (int i = 0; i < kParametersPerBody; ++i) {

@@ -1,4 +1,4 @@
-// What CloseLoop (close_loop.h) is made of: a builder for each kind of robot. They throw
+// Builders that CloseLoop (close_loop.h) is made of, one for each kind of robot. They throw
 // std::invalid_argument and UsageError.
 #pragma once
 
@@ -17,7 +17,7 @@ namespace sinew::close_loop {
 struct JointTask {
   int joint = 0;
   std::vector<types::Run> train, held_out;  // held_out empty: each of `train` is held out once
-  // What the data gate found, on recordings without the rows that it left out; empty: it is asked.
+  // Result of the data gate, on recordings without the rows that it left out; empty: it is asked.
   std::optional<gate::GateReport> gate{};
   int searches = 1;  // joints that are traced together (trace::TraceOptions)
   std::function<double(const actuator::JointModel&)> held_out_error{};  // the same

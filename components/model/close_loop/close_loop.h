@@ -1,6 +1,6 @@
-// Which effect a model lacks, from recordings: reads them, asks the data gate, fits, searches,
-// confirms and reports. Of one joint, of the joints of a robot or an arm, or of a robot on two
-// feet, as the model file says. Reads files and the clock; one thread.
+// Finds which effect a model lacks, from recordings: reads them, asks the data gate, fits,
+// searches, confirms and reports; for one joint, for the joints of a robot or an arm, or for a
+// robot on two feet, as the model file says. Reads files and the clock; one thread.
 #pragma once
 
 #include <cstdint>

@@ -45,7 +45,7 @@ void NameThoseOfOthers(const actuator::RobotModel& robot, std::vector<gate::Gate
   }
 }
 
-// What the data gate finds on each joint of an arm. Where no joint stops, the recordings of all go
+// Results of the data gate on each joint of an arm. Where no joint stops, the recordings of all go
 // on without the rows that one of them leaves out.
 std::vector<gate::GateReport> ExamineArm(const Options& options, const actuator::RobotModel& robot,
                                          arm::ArmRuns* train, arm::ArmRuns* held_out) {
@@ -87,7 +87,7 @@ class FittedArm {
     *robot = loop->before.robot;
   }
 
-  // What joint j is asked beside its own residual; robot: as corrected so far, lives longer.
+  // Sets what joint j is asked beside its own residual; robot: as corrected so far, lives longer.
   void Ask(std::size_t j, const actuator::RobotModel& robot, JointTask* task) {
     const auto error_of = [this, j](const actuator::RobotModel& others, const arm::ArmRuns& train,
                                     const arm::ArmRuns& held_out, const arm::ArmLoop& loop) {

@@ -70,7 +70,7 @@ void RequireDifferent(const std::vector<report::Recording>& train,
   }
 }
 
-// What was added to a joint is in its history; a payload is in that of the first joint.
+// Adds what was added to a joint to its history; a payload is in that of the first joint.
 void AddHistory(const report::StanceReport& report, actuator::RobotModel* robot) {
   const History now = {types::UtcNow(), report::NamesOf(report.train)};
   const stance_fit::StanceFitResult& result = report.result;

@@ -29,7 +29,7 @@
 
 namespace sinew::effects {
 
-// What a term does in the equation of motion.
+// Role of a term in the equation of motion.
 enum class Role {
   kDrive,    // turns the drive input into torque
   kInertia,  // proportional to an acceleration
@@ -97,7 +97,7 @@ struct ParameterInfo {
 // The parameter's key in files: name and unit suffix, e.g. "viscous_Nm_s_rad".
 std::string ParameterKey(const ParameterInfo& info, types::JointKind kind);
 
-// Which body a torque acts on. Outside the free play they move as one; a simulation keeps them
+// The body that a torque acts on. Outside the free play both move as one; a simulation keeps them
 // apart.
 enum class Side { kMotor, kOutput };
 

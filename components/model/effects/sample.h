@@ -39,7 +39,7 @@ struct JointSample {
   double motor_turn_rad = 0.0;
 };
 
-// What the joint is, exactly known. Given to an effect when it is made.
+// Constants of the joint, exactly known. Given to an effect when it is made.
 struct JointConstants {
   double gear_ratio = 1.0;     // motor turns per output turn
   double link_length_m = 0.0;  // joint axis to load cell and payload; 1 by definition if linear
@@ -58,8 +58,8 @@ struct JointConstants {
   double pneumatic_torque_Nm_bar = 0.0;         // K
   double pneumatic_stiffness_Nm_rad_bar = 0.0;  // k1
   double pneumatic_rest_rad = 0.0;              // q0
-  // What the model's dry and viscous friction take of the drive before a load does, as torque of an
-  // ideal drive (actuator::RemakeEffects); 0 without.
+  // Part of the drive that the model's dry and viscous friction take before a load does, as torque
+  // of an ideal drive (actuator::RemakeEffects); 0 without.
   double drive_coulomb_Nm = 0.0;
   double drive_viscous_Nm_s_rad = 0.0;
 };

@@ -1,4 +1,4 @@
-// Of push.h: moving friction and the pressure slope (5.4).
+// Moving friction and the pressure slope (5.4), of push.h.
 #include <Eigen/Core>
 #include <stdexcept>
 #include <string>

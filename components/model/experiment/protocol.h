@@ -44,7 +44,7 @@ struct Command {
   double hand_force_N = 0.0;
 };
 
-// Where an experiment begins. A simulation may be put there; elsewhere Preparation gets there.
+// Beginning of an experiment. A simulation may be put there; elsewhere Preparation gets there.
 struct Start {
   double output_angle_rad = 0.0;
   double motor_offset_rad = 0.0;  // motor/N - output angle: 0 is the middle of the play

@@ -1,4 +1,4 @@
-// What an experiment found: values with intervals, the published values beside them, and what
+// Result of an experiment: values with intervals, the published values beside them, and what
 // figures are drawn from. Pure data.
 #pragma once
 
@@ -39,7 +39,7 @@ struct Quantity {
   std::optional<bool> Met() const;
 };
 
-// Of figures: pixels of a panel, and points of their own.
+// Style of figures: pixels of a panel, and points of their own.
 inline constexpr int kFigure_px = 244;
 inline constexpr const char* kPoints = "points pt 7 ps 0.5";
 inline constexpr const char* kBars = "yerrorbars pt 7 ps 0.6 lw 1.3";

@@ -34,7 +34,7 @@ struct TrialFit {
   double residual_sd = 0.0;
 
   Estimate At(Eigen::Index i) const;
-  // Of a function of b with this gradient.
+  // Estimate of a function of b with this gradient.
   Estimate Of(double value, const Eigen::Ref<const Eigen::VectorXd>& gradient) const;
 };
 // trial: number of the trial of each row, 0 .. n-1.
@@ -62,8 +62,8 @@ class TrialRows {
   std::vector<int> trial_;
 };
 
-// What rounding to counts leaves in the mean of many rows of a value that stands still, at most:
-// with noise of variance sigma^2 and a count c, (c / pi) exp(-2 pi^2 sigma^2 / c^2) (Widrow,
+// Largest error that rounding to counts leaves in the mean of many rows of a value that stands
+// still: with noise of variance sigma^2 and a count c, (c / pi) exp(-2 pi^2 sigma^2 / c^2) (Widrow,
 // Kollar: Quantization Noise, ch. 4). variance: of the rounded rows, from which sigma^2 is
 // estimated (Sheppard).
 double LargestRounding(double variance, double count);

@@ -1,4 +1,4 @@
-// Of push.h: secant of a push and stiffness of the gas (5.5).
+// Secant of a push and stiffness of the gas (5.5), of push.h.
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
@@ -48,8 +48,8 @@ TrialRows MakeSlopeRows(const Recording& rows, const Play& play, bool valve_open
   return result;
 }
 
-// Where the chamber no longer brings the link back: the force of the way up, extrapolated to 0.
-// passed, stuck: pressures of the pushes after which the link came back, and did not.
+// Adds the pressure that no longer brings the link back: the force of the way up, extrapolated to
+// 0. passed, stuck: pressures of the pushes after which the link came back, and did not.
 void AddReturnLimit(const Play& play, const std::vector<double>& passed,
                     const std::vector<double>& stuck, const RigConstants& rig, Result* result) {
   TrialRows up;

@@ -33,7 +33,7 @@ class Body {
 // std::invalid_argument: a model that cannot be simulated.
 using MakeBody = std::function<std::unique_ptr<Body>(const actuator::JointModel& model)>;
 
-// What moves the model.
+// The servo or the recorded drive that moves the model.
 struct Mover {
   const actuator::Servo* servo = nullptr;  // null: the recorded drive
   double gain_per_rad = 0.0;               // of the servo

@@ -1,4 +1,4 @@
-// What the checks share: quantities of one channel, and local polynomials on uneven stamps.
+// Functions that the checks share: quantities of a channel, local polynomials on uneven stamps.
 #pragma once
 
 #include <Eigen/Core>

@@ -1,4 +1,4 @@
-// What a recording is like and need not stop: stamps, lost rows, saturation, resolution, lags.
+// Findings on a recording, which need not stop: stamps, lost rows, saturation, resolution, lags.
 #include <algorithm>
 #include <cmath>
 

@@ -155,8 +155,8 @@ bool IsAtALimit(const Eigen::VectorXd& x, const Span& hold) {
   return !jumps.at_start && !jumps.at_end;
 }
 
-// How far a span's length may be off where stamps jitter about rows that were read evenly: as far
-// as a period is.
+// Error that a span's length may have where stamps jitter about rows that were read evenly: as
+// large as that of a period.
 double StampScatter(const Run& run) {
   std::vector<double> off;
   const double period = MedianPeriod(run);

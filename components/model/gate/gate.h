@@ -18,7 +18,7 @@
 
 namespace sinew::gate {
 
-// What a rule found on a channel of a recording, or on all of them.
+// Measurement by a rule on a channel of a recording, or on all of them.
 struct Measurement {
   std::string rule;
   std::string signal;                         // "motor_current"; empty: none in particular

@@ -66,7 +66,7 @@ std::vector<Measurement> CheckKinematics(const Run& run, const actuator::JointMo
   const auto add = [&](const char* units, const char* sign, Signal signal, const Agreement& at,
                        const std::string& what, const std::string& remedy) {
     if (at.instants == 0) return;
-    // Where the two do not move together, their sizes say nothing about units.
+    // The sizes of two that do not move together say nothing about units.
     const double together = std::abs(at.correlation);
     const double factor = together > 0.7 ? std::max(at.ratio, 1.0 / at.ratio) : 1.0;
     Measurement scale = Measure(units, signal, run, WholeRun(run), factor);

@@ -23,7 +23,7 @@ constexpr Signal kWatched[] = {Signal::kPosition,        Signal::kMotorPosition,
 constexpr Eigen::Index kSide = 4;  // rows on either side; near an end the same number in all
 
 struct Distance {
-  // Of the row from its neighbours' parabola, and at most from the two next to it.
+  // Distance of the row from its neighbours' parabola, and at most from the two next to it.
   double own = 0.0;
   double neighbours = 0.0;  // the largest of theirs
 };
@@ -108,7 +108,7 @@ Kink KinkAt(const Run& run, const Eigen::VectorXd& angle, Eigen::Index row) {
   return {std::abs(after - before), std::max(std::abs(before), std::abs(after))};
 }
 
-// What is usual in each channel of a recording.
+// Usual changes in each channel of a recording.
 struct Usual {
   std::map<Signal, double> change;  // 99 % quantile from row to row, at least a step
   std::map<Signal, double> step;
@@ -155,7 +155,7 @@ bool JumpsInRow(Signal signal, const Eigen::VectorXd& x, Eigen::Index row, doubl
   return jump > kAboveUsual * usual_change;
 }
 
-// What makes a row that stands alone an event of the machine; empty: nothing. An angle does not
+// Cause that makes a row that stands alone an event of the machine; empty: none. An angle does not
 // jump away and back within a row, whatever else happens.
 std::string CauseOf(const Run& run, Signal signal, Eigen::Index row, const Usual& usual) {
   if (IsAngle(signal)) return "";

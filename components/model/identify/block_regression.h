@@ -34,7 +34,7 @@ Moments MomentsOf(const Block& block, const Eigen::Ref<const Eigen::MatrixXd>& X
 // cannot be distinguished share their part; the others are unchanged.
 Eigen::VectorXd Solve(const Eigen::Ref<const Eigen::MatrixXd>& G,
                       const Eigen::Ref<const Eigen::VectorXd>& m);
-// What least squares with the columns of X leaves of y.
+// Residual of y by least squares with the columns of X.
 Eigen::VectorXd LeftBy(const Eigen::Ref<const Eigen::MatrixXd>& X,
                        const Eigen::Ref<const Eigen::VectorXd>& y);
 Eigen::MatrixXd Inverse(const Eigen::Ref<const Eigen::MatrixXd>& G);

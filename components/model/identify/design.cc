@@ -30,7 +30,7 @@ Drive RequiredDrive(const actuator::JointModel& model, const StateSegment& segme
   return out;
 }
 
-// What the low-pass of the angles, a Butterworth forward and backward, lets pass of a frequency.
+// Gain of the low-pass of the angles, a Butterworth forward and backward, at a frequency.
 double PassedTwice(double frequency_Hz, const ProcessingOptions& options) {
   return 1.0 / (1.0 + std::pow(std::abs(frequency_Hz) / options.state_cutoff_Hz,
                                2.0 * options.state_order));
@@ -156,8 +156,8 @@ Eigen::MatrixXd Design::MakeColumns(const effects::Effect& effect,
       effect.Regressors(x, psi, memory_span, phi_span);
       for (Eigen::Index c = 0; c < count; ++c) full(i, c) = phi[static_cast<std::size_t>(c)];
     }
-    // What repeats faster than the low-pass of the angles is answered by an acceleration that they
-    // do not show. By its frequency there: rows are too few to filter what they alias.
+    // An effect that repeats faster than the low-pass of the angles is answered by an acceleration
+    // that they do not show. By its frequency there: rows are too few to filter what they alias.
     if (options_.raw && effect.info().ripple && !segment.held) {
       const bool of_motor = *effect.info().ripple == effects::Side::kMotor;
       for (Eigen::Index i = 0; i < segment.size(); ++i) {

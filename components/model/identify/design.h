@@ -19,7 +19,7 @@ namespace sinew::identify {
 // Clock of a recording in which nothing began yet, s.
 inline constexpr double kLongBefore = -1e9;
 
-// What every row of the regression is.
+// Properties of every row of the regression.
 struct Rows {
   Eigen::VectorXd time_s;
   std::vector<int> run;
@@ -54,8 +54,8 @@ class Design {
   Eigen::MatrixXd Columns(const effects::Effect& effect, std::span<const double> psi) const;
   // phi of a drive effect with the drive input as it was measured.
   Eigen::VectorXd MeasuredDrive(const effects::Effect& drive) const;
-  // How the torque of an arm's rigid bodies changes with them (Run::rigid_columns), filtered and
-  // thinned; no columns where the joint is no part of an arm.
+  // Derivative of the torque of an arm's rigid bodies by their parameters (Run::rigid_columns),
+  // filtered and thinned; no columns where the joint is no part of an arm.
   Eigen::MatrixXd RigidColumns() const;
   // A full-rate column, given per segment of the states, filtered and thinned like the columns.
   Eigen::VectorXd ThroughFilter(const std::vector<Eigen::VectorXd>& per_segment) const;

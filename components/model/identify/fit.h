@@ -1,5 +1,5 @@
-// What a fit of a joint model is (trace/whitened_fit.h makes it), and how far a model is from
-// recordings. Pure; allocates.
+// Fit of a joint model (trace/whitened_fit.h makes it), and the error of a model on recordings.
+// Pure; allocates.
 #pragma once
 
 #include <Eigen/Core>

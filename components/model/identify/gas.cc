@@ -19,7 +19,7 @@ bool Reads(const effects::EffectInfo& info, const char* field) {
   return std::find(info.needs.begin(), info.needs.end(), field) != info.needs.end();
 }
 
-// How the pressure went after an opening: level + slope s + bend s^2, s = time since it began.
+// Course of the pressure after an opening: level + slope s + bend s^2, s = time since it began.
 struct Opening {
   std::size_t segment = 0;
   Eigen::Index begin = 0, end = 0, stays = 0;  // rows: of the window, and the last one open
@@ -72,7 +72,7 @@ void PlayOpenings(const std::vector<Opening>& openings, StateSet* states) {
   const double middle_s = Quantile(std::move(dead), 0.5);
   for (const Opening& opening : openings) {
     StateSegment& segment = states->segments[opening.segment];
-    // What all have in common is a dead time only where it is longer than any opening takes.
+    // A delay common to all is a dead time only where it is longer than any opening takes.
     const bool late = std::abs(middle_s) > kOpeningSamples * segment.period_s;
     const double shared_s = late ? 0.0 : middle_s;
     const double between_rows_s =

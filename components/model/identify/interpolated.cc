@@ -15,7 +15,7 @@ constexpr Eigen::Index kFewest = 50;  // rows with motion of each kind
 // A digit that a file leaves out, of a typical step. Measured noise lies as near to the line once
 // in a thousand rows.
 constexpr double kRounding = 1e-3;
-// Where almost all rows of one kind and almost none of the other are on the line.
+// Shares of rows on the line: almost all of one kind, almost none of the other.
 constexpr double kAlmostAll = 0.95, kAlmostNone = 0.05;
 
 enum class Kind : char { kStill, kOnLine, kMeasured };

@@ -12,7 +12,7 @@
 
 namespace sinew::identify {
 
-// Of how many rows one was measured; 1: all of them. 0 rows or held positions: 1.
+// The number of rows of which one was measured; 1: all of them. 0 rows or held positions: 1.
 int RowsPerMeasured(const types::Run& run);
 
 // The recording with these of its rows alone, in their order. All else is as it was: the content

@@ -68,7 +68,7 @@ StateSet MakeKinematicStates(const std::vector<types::Run>& runs,
           // The link's side is known from sensors and load, the motor's from the current: both are
           // used.
           const double torque = 0.5 * (motor + link);
-          // What was found, not declared, may sit on the other side of the teeth.
+          // A term that was found, not declared, may sit on the other side of the teeth.
           double doubt = 0.0;
           for (std::size_t t = 0; t < model.terms.size(); ++t) {
             if (model.terms[t].declared || !model.Counts(model.terms[t])) continue;

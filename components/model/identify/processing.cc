@@ -254,7 +254,7 @@ Eigen::VectorXd MotorAngles(const Motion& motion, const PieceSignals& signals, d
   return signals.AtRowsOf(ratio * motion.q);
 }
 
-// What drives, row by row.
+// Input that drives, row by row.
 Eigen::VectorXd DriveInput(types::Signal drive, const PieceSignals& signals, const Motion& motion,
                            const actuator::JointModel& model) {
   Eigen::VectorXd input = signals.Measured(drive);
@@ -324,7 +324,7 @@ void FillSamples(const UniformSegment& piece, const PieceSignals& signals, const
   }
 }
 
-// Which rows a moving model may be fitted to, and why not the others.
+// Marks the rows that a moving model may be fitted to, and why not the others.
 void MarkRows(const types::Run& run, const UniformSegment& piece, const Motion& motion,
               const actuator::JointModel& model, const ProcessingOptions& options,
               StateSegment* segment) {

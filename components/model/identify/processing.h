@@ -38,7 +38,7 @@ struct StateSegment {
   Eigen::VectorXd drive_input;   // as measured, not filtered; back-EMF taken off
   Eigen::VectorXd drive_rate;    // of drive_input behind the low-pass
   Eigen::VectorXd drive_signal;  // what the recording holds: drive_input without that
-  // What a servo saw, row by row; empty where it was not recorded.
+  // Signals that a servo saw, row by row; empty where they were not recorded.
   Eigen::VectorXd reference_position, supply_voltage;
   std::vector<char> valid;    // 0: inside a hole of lost rows
   std::vector<char> usable;   // moving, away from reversals, borders and holes

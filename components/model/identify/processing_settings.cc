@@ -33,7 +33,7 @@ constexpr double kUnseenShare = 0.01;
 // Share of the 75th percentile of speed that counts as rest. Rows slower than a share of the
 // highest speed (its 99.5th percentile) are none of those: a joint may rest most of the time.
 constexpr double kRestShare = 0.03, kSurelyRests = 0.01;
-// How much lower the low-pass of slow motion is: its velocity has a fifteenth of the noise.
+// Factor by which the low-pass of slow motion is lower: its velocity has a fifteenth of the noise.
 constexpr double kSlower = 6.0;
 // Low-pass of the angles, forward and backward. What it lets pass of white noise that is
 // differentiated once or twice, over f^3 or f^5; and its periods that a reversal is kept away from:
@@ -88,7 +88,7 @@ double SpeedOfMotion(std::vector<double> speeds) {
   return Quantile(std::move(speeds), 0.75);
 }
 
-// What a velocity behind a low-pass at f has to exceed for its sign to be sure. Noise:
+// Velocity behind a low-pass at f that has to be exceeded for the sign to be sure. Noise:
 // (2 pi)^2 S passed f^3. Rounding of a slow motion, a saw of the resolution's size and first
 // harmonic step / pi: up to 2 pi f step / pi.
 double SureVelocity(const LowPass& low_pass, double density, double step, double cutoff_Hz) {
@@ -296,7 +296,7 @@ ProcessingOptions FromMotion(const std::vector<types::Run>& runs, const actuator
   };
   out.slow_cutoff_Hz = out.state_cutoff_Hz / kSlower;
   out.doubtful_velocity = sure_velocity(out.state_cutoff_Hz);
-  // What moves slower than this part of the motion's quick half sticks and slips.
+  // Motion slower than this part of its quick half sticks and slips.
   out.rest_velocity =
       std::max(sure_velocity(out.slow_cutoff_Hz), kRestShare * SpeedOfMotion(std::move(speeds)));
   out.reversal_guard_s = GuardFor(strokes_s, low_pass.guard_periods / out.state_cutoff_Hz);

@@ -1,4 +1,4 @@
-// How a recording is processed, and the settings that follow from its motion: cut-offs, rest and
+// Processing of a recording, and the settings that follow from its motion: cut-offs, rest and
 // guards from spectra and quantiles of the signals, none in a unit of its own. Pure; allocates;
 // throws std::invalid_argument for recordings and models that cannot be used.
 #pragma once
@@ -30,8 +30,8 @@ struct ProcessingOptions {
   // Rows at the recording's own rate (FromMotion): the motor's angle stays as it was measured, the
   // load cell goes through the low-pass of the output's angle.
   bool raw = false;
-  // Where the velocity is below the first of these it is taken from a low-pass at the second: slow
-  // ramps would drown in the noise of a quick derivative. 0: it is not.
+  // A velocity below the first of these is taken from a low-pass at the second: slow ramps would
+  // drown in the noise of a quick derivative. 0: it is not.
   double doubtful_velocity = 0.0;  // rad/s or m/s
   double slow_cutoff_Hz = 0.0;
 };

@@ -24,8 +24,8 @@ struct UniformSegment {
   double period_s = 0.0;
   std::map<types::Signal, Eigen::VectorXd> signals;
   std::vector<char> valid;  // 0: inside a hole of lost rows
-  // Of every grid point the row of the recording that belongs to it (-1: none) and the instant at
-  // which that was sampled, as far as is known; both empty where rows lie on the grid already.
+  // Row of the recording that belongs to each grid point (-1: none) and the instant at which it was
+  // sampled, as far as is known; both empty where rows lie on the grid already.
   std::vector<Eigen::Index> row;
   Eigen::VectorXd sampled_s;
 

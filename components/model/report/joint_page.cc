@@ -200,7 +200,7 @@ Section UnexplainedSection(const trace::TraceResult& trace) {
   return out;
 }
 
-// Which training rows are used, why not the others, and at which speeds.
+// Training rows that are used, why not the others, and at which speeds.
 std::string RowsText(const trace::TraceResult& trace) {
   std::string out = std::to_string(trace.used_rows) + " of " + std::to_string(trace.rows) +
                     " training rows are used";

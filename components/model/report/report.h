@@ -41,7 +41,7 @@ struct Report {
   std::vector<Recording> train;       // those of check-data, too
   std::vector<Recording> held_out{};  // without any: those of `train`, each of them once
   identify::ProcessingOptions processing{};
-  // What the data gate found; where it stops nothing was traced. Its findings are completed by what
+  // Result of the data gate; where it stops nothing was traced. Its findings are completed by what
   // the processing finds.
   gate::GateReport gate{};
   trace::TraceResult trace{};
@@ -63,7 +63,7 @@ std::string TorqueUnit(types::JointKind kind);
 // Unit of a balance's errors; of the motion's "rad" or "m" where they are of the simulated angle.
 std::string ErrorUnit(const trace::TraceResult& trace,
                       effects::Balance balance = effects::Balance::kMotion);
-// What relative errors are a share of: "the drive", or "the motion" by simulation.
+// The quantity that relative errors are a share of: "the drive", or "the motion" by simulation.
 std::string MeasuredSide(const trace::TraceResult& trace);
 // Words for an effect's name, e.g. "Stribeck friction".
 std::string EffectTitle(const std::string& name);
@@ -87,7 +87,7 @@ std::string HeldOutText(const trace::TraceResult& trace, const trace::FoundEffec
 // Why it is not in the model, with rule, number and limit; empty where it is.
 std::string RefusalText(const trace::FoundEffect& effect);
 
-// What a rotation found, e.g. "stribeck (confirmed)"; "refuted" ones as well.
+// Effects that a rotation found, e.g. "stribeck (confirmed)"; "refuted" ones as well.
 std::string RotationText(const trace::Rotation& rotation);
 
 // The verdict in words: what was found with its size, then what is open, then the errors that the
@@ -98,7 +98,7 @@ std::string VerdictSentence(const Report& report);
 std::string NextExperiment(const Report& report);
 std::string VerdictWord(const Report& report);
 std::string VerdictWord(trace::Verdict verdict);
-// Of the data alone: "data_fault" or "ok".
+// Verdict on the data alone: "data_fault" or "ok".
 std::string VerdictWord(const gate::GateReport& gate);
 std::string VerdictSentence(const gate::GateReport& gate);
 // Finer than the verdict: "effect", "open" (neither confirmed nor refuted), "training_only"

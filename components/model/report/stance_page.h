@@ -48,7 +48,7 @@ struct StanceShift {
 };
 inline constexpr double kShift = 2.0;  // of a normal value one in 22 is further off
 
-// Of declared terms that no effect in the model changed.
+// Shifts of declared terms that no effect in the model changed.
 std::vector<StanceShift> StanceShifts(const StanceReport& report);
 
 Page MakePage(const StanceReport& report);

@@ -281,8 +281,8 @@ class Closer {
     }
   }
 
-  // What raises the held-out error; and a further effect that takes no more of the squared error
-  // than the shape of those before it may leave.
+  // Refusal of what raises the held-out error; and of a further effect that takes no more of the
+  // squared error than the shape of those before it may leave.
   std::optional<trace::Refusal> Refuted(const FoundEffect& found, bool second) const {
     double before = found.held_out_before;
     if (second) before = std::min(before, out_.nominal_held_out.rms);

@@ -36,7 +36,7 @@ struct Piece {
   bool continues = false;  // the next piece starts where it ends
 };
 
-// Where the pieces start, beside what was measured.
+// Starts of the pieces, beside what was measured.
 struct Start {
   Eigen::MatrixXd state;     // a column a piece, in prior deviations
   Eigen::VectorXd zero_rad;  // of each recording: angle of the model where its encoder reads 0
@@ -72,7 +72,7 @@ class Recordings {
   const Eigen::VectorXd& deviation() const { return deviation_; }
   // The same of each recording's zero, rad; 0: known.
   const Eigen::VectorXd& zero_deviation() const { return zero_deviation_; }
-  // What is expected of a machine of this size, as declared; all rows count.
+  // Expectations of a machine of this size, as declared; all rows count.
   const trace::MachineSize& machine() const { return machine_; }
   Start Measured() const;
 
@@ -82,14 +82,14 @@ class Recordings {
                 const Eigen::Ref<const Eigen::VectorXd>& state, double zero_rad) const;
   // Angles of all pieces, every row; behind them two values of each gap.
   Eigen::VectorXd Stacked(const actuator::JointModel& model, const Start& start) const;
-  // What does not continue, in deviations: position and velocity, simulated at the end of a piece
+  // Gap between two pieces, in deviations: position and velocity, simulated at the end of a piece
   // less the start of the next one.
   Eigen::Vector2d Gap(std::size_t piece, const Path& path,
                       const Eigen::Ref<const Eigen::VectorXd>& next_state) const;
 
  private:
   void Cut();
-  // How much a deviation of the start position grows over a piece.
+  // Factor by which a deviation of the start position grows over a piece.
   double Growth(const actuator::JointModel& joint) const;
   void SetDeviations(const std::vector<types::Run>& runs, const actuator::JointModel& joint);
 

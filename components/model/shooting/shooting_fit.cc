@@ -127,7 +127,7 @@ class PieceCost final : public ceres::CostFunction {
   bool zero_;
 };
 
-// What is free, as counts.
+// Values that are free, as counts.
 struct Unknowns {
   std::vector<double> parameters, zeros;
   Eigen::MatrixXd states;

@@ -381,8 +381,8 @@ trace::Problem ProblemWithNoise(const Regression& regression, const Recordings& 
 Eigen::VectorXd DeviationOf(const Regression& regression, const Noise& noise) {
   const Eigen::MatrixXd X = Whiten(regression, noise, regression.declared);
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(X.transpose() * X);
-  // What only priors hold, as the scale of inertia and gravity in a free swing, keeps its width:
-  // columns that are differences of simulations do not cancel any better.
+  // A direction that only priors hold, as the scale of inertia and gravity in a free swing, keeps
+  // its width: columns that are differences of simulations do not cancel any better.
   const Eigen::VectorXd seen =
       (eigen.eigenvalues().array() > kLeastSeen * eigen.eigenvalues().maxCoeff())
           .select(eigen.eigenvalues(), 0.0);

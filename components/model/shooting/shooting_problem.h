@@ -1,4 +1,4 @@
-// What a fit by simulation leaves, as the problem of the search for effects (trace/problem.h):
+// Residual of a fit by simulation, as the problem of the search for effects (trace/problem.h):
 //
 //     measured - simulated = declared b + columns c + noise
 //

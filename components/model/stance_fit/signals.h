@@ -37,7 +37,7 @@ inline Eigen::MatrixXd RateOfColumns(const Eigen::MatrixXd& x, double period_s) 
 // A joint that travels less than this many steps of its encoder stands: its direction is rounding.
 inline constexpr double kLeastCounts = 50.0;
 
-// Of more than rounding.
+// Returns whether a joint travels by more than rounding.
 inline bool Travels(const std::vector<types::Run>& runs) {
   double low = HUGE_VAL, high = -HUGE_VAL, step = 0.0;
   for (const types::Run& run : runs) {

@@ -35,7 +35,7 @@ actuator::Payload Written(const PlacedPayload& payload) {
   return out;
 }
 
-// What the joint has of the effect already grows by it.
+// Adds a term; what the joint has of the effect already grows by it.
 void AddTerm(const actuator::Term& term, actuator::JointModel* joint) {
   const int known =
       term.nonlinear.empty() ? joint->Find(term.effect->info().name, joint->balance) : -1;

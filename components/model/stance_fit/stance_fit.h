@@ -1,4 +1,4 @@
-// Which undeclared payload or friction a standing robot's recordings show, and how much better the
+// Undeclared payload or friction that a standing robot's recordings show, and how much better the
 // corrected model predicts a held-out one.
 //
 // The balance is (1) of stance_model.h. Whitened with the noise of its richest model it has one
@@ -42,8 +42,8 @@ namespace sinew::stance_fit {
 // payload is asked for.
 inline constexpr double kWidestPlace_m = 0.02;
 
-// What is known of the declared bodies and of the IMU beforehand: standard deviations. The defaults
-// are those of a robot whose links were weighed on a kitchen scale and measured by ruler, of an IMU
+// Prior knowledge of the declared bodies and of the IMU: standard deviations. The defaults are
+// those of a robot whose links were weighed on a kitchen scale and measured by ruler, of an IMU
 // that was levelled with a spirit level, and of force sensors that were calibrated with a weight.
 struct Tolerances {
   double mass_share = 0.01;   // of each rigid group's mass
@@ -84,11 +84,11 @@ struct StanceEffect {
 struct StanceError {
   double moment_x_Nm = 0.0, moment_y_Nm = 0.0, force_z_N = 0.0;  // rows that close alone
   double share = 0.0;  // of all channels, in units of the sensors' noise
-  // Of StanceFitResult::moving_joints, once the forces that no sensor measures took what fits them.
+  // Errors of StanceFitResult::moving_joints once the forces without a sensor took what fits them.
   std::vector<double> joints_Nm;
 };
 
-// What the rows that close alone leave over time: m_x, m_y, f_z.
+// Residual over time of the rows that close alone: m_x, m_y, f_z.
 struct BalanceSeries {
   Eigen::VectorXd time_s;         // of the recordings, one after the other
   Eigen::MatrixXd before, after;  // rows x 3, Nm, Nm, N

@@ -1,5 +1,5 @@
-// Of stance_model.h: links that no moving joint parts, their mass, middle and size; torques of a
-// joint as a stacked column.
+// Rigid groups of stance_model.h: links that no moving joint parts, their mass, middle and size;
+// torques of a joint as a stacked column.
 #include <algorithm>
 
 #include "components/model/stance_fit/stance_model.h"

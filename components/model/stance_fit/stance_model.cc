@@ -421,7 +421,7 @@ void StanceModel::FindAxes(const std::vector<StanceRecording>& train, StanceLayo
   }
   for (std::size_t g = 0; g < sum.size(); ++g) {
     RigidGroup& group = layout->groups[g];
-    // Of unit vectors the length of the mean is sqrt(1 - mean square of their distances to it).
+    // The mean of unit vectors has the length sqrt(1 - mean square of their distances to it).
     const Eigen::Vector3d mean = sum[g] / std::max(1.0, count);
     const double turn_rad = std::sqrt(std::max(0.0, 1.0 - mean.squaredNorm()));
     group.excited = turn_rad > kLeastTurn_rad ? 3 : 2;

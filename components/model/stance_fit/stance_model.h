@@ -66,16 +66,16 @@ inline constexpr int kSensorsPerFoot = 4;
 inline constexpr int kFootSensors = kFeet * kSensorsPerFoot;
 inline constexpr int kPayloadColumns = 4;  // m, m x, m y, m z
 
-// Of the weight, on each foot; of the span of a foot's sensors, about its middle; of the reach. A
-// foot with less tips at the next sway; the third is above what roll and yaw of 0.05 rad turn of a
-// lever arm as long as the reach.
+// Shares of the weight, on each foot; of the span of a foot's sensors, about its middle; of the
+// reach. A foot with less tips at the next sway; the third is above what roll and yaw of 0.05 rad
+// turn of a lever arm as long as the reach.
 inline constexpr double kLeastLoad = 0.15;
 inline constexpr double kCentral = 0.9;
 inline constexpr double kWeakest = 0.1;
 
-// How far a link has to turn against the vertical for a payload's place along the vertical to show,
-// rms. The moment of a place c along it is m g c sin(turn); below this, what the noise of the IMU
-// puts into the same column, and into the declared bodies' part of the balance, is as large: the
+// Turn of a link against the vertical that a payload's place along the vertical needs to show, rms.
+// The moment of a place c along it is m g c sin(turn); below this, what the noise of the IMU puts
+// into the same column, and into the declared bodies' part of the balance, is as large: the
 // estimate would cancel that noise by a payload far below the ground.
 inline constexpr double kLeastTurn_rad = 0.1;
 
@@ -116,20 +116,20 @@ struct RigidGroup {
   // group is from it, joints at 0.
   Eigen::Vector3d center_m = Eigen::Vector3d::Zero();
   double size_m = 0.0;
-  // Of the place of a payload on it, an orthonormal basis in the first link's frame; the last axis
-  // is the mean direction of the vertical. The first `excited` of them show: the last only where
-  // the vertical turns against the link by kLeastTurn_rad, rms.
+  // Axes of the place of a payload on it, an orthonormal basis in the first link's frame; the last
+  // axis is the mean direction of the vertical. The first `excited` of them show: the last only
+  // where the vertical turns against the link by kLeastTurn_rad, rms.
   Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();
   int excited = 2;
 };
 
-// What all recordings of one analysis share: found from those that are trained on.
+// Properties that all recordings of one analysis share: found from those that are trained on.
 struct StanceLayout {
   std::vector<identify::ProcessingOptions> processing;  // of each joint, one low-pass for all
   double rate_Hz = 0.0;
   std::vector<char> moves;         // of each joint of the model
   std::vector<RigidGroup> groups;  // the base's first
-  // Of (1) that are used: m_x, m_y and f_z first, then others of the base, then moving joints,
+  // Rows of (1) that are used: m_x, m_y and f_z first, then others of the base, then moving joints,
   // numbered as joints of the model from 6 on.
   std::vector<Eigen::Index> rows;
   Eigen::VectorXd noise;      // of each of them, N or Nm: 1 / W

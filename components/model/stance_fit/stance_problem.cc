@@ -342,7 +342,7 @@ class Builder {
     }
   }
 
-  // Of one recording, as even as they come.
+  // Adds the blocks of one recording, as even as they come.
   void AddBlocks(Eigen::Index first, Eigen::Index count, Eigen::Index length,
                  std::vector<identify::Block>* blocks) const {
     const Eigen::Index parts = std::max<Eigen::Index>(1, count / length);

@@ -23,7 +23,7 @@
 
 namespace sinew::stance_fit {
 
-// What a hypothesis is about.
+// Subject of a hypothesis.
 struct Subject {
   enum class Kind { kPayload, kJoint, kForces, kCurve } kind = Kind::kCurve;
   std::size_t index = 0;  // of the layout's groups, or of the model's joints

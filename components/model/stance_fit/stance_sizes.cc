@@ -16,8 +16,8 @@ Eigen::MatrixXd WithSet(const Regression& regression, const trace::Columns& colu
   return out;
 }
 
-// What is known beforehand, as a matrix: the priors of the columns, and of the places of payloads
-// at the masses that b has.
+// Precision of what is known beforehand, as a matrix: the priors of the columns, and of the places
+// of payloads at the masses that b has.
 Eigen::MatrixXd PrecisionOf(const Regression& regression, const trace::Columns& columns,
                             const std::vector<PlacePrior>& places, const Eigen::VectorXd& b) {
   const Eigen::Index declared = regression.bank.declared.cols();

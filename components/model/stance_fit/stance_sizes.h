@@ -37,7 +37,7 @@ struct PlacePrior {
 PlainFit FitPlain(const Regression& regression, const trace::Columns& columns,
                   const std::vector<PlacePrior>& places = {});
 
-// What a fit leaves of the regression's stacked rows; fit.b as long as the declared columns and
+// Residual of the regression's stacked rows after a fit; fit.b as long as the declared columns and
 // `columns` together.
 Eigen::VectorXd Left(const Regression& regression, const PlainFit& fit,
                      const trace::Columns& columns);
@@ -46,8 +46,8 @@ Eigen::VectorXd Left(const Regression& regression, const PlainFit& fit,
 // axis that does not show leaves the place at the group's middle, give or take its size.
 PlacedPayload PayloadOf(const PlainFit& fit, Eigen::Index first, const RigidGroup& group);
 
-// Of each of the layout's rows what is left once the forces that no sensor measures took what fits
-// them best: e = W^-2 project' r, project = N' W and r the stacked rest. Used rows x layout rows,
+// Residual of each of the layout's rows once the forces that no sensor measures took what fits them
+// best: e = W^-2 project' r, project = N' W and r the stacked rest. Used rows x layout rows,
 // N or Nm.
 Eigen::MatrixXd RestOfRows(const StanceLayout& layout, const std::vector<StanceRows>& recordings,
                            const Eigen::Ref<const Eigen::VectorXd>& rest);

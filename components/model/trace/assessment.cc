@@ -39,7 +39,7 @@ class Assessor {
     return GainStatistic(gain, problem_.hypotheses()[hypothesis]);
   }
 
-  // Of what is added to `base`; noise: what the best model leaves.
+  // Null test of what is added to `base`; noise: the residual of the best model.
   NullTest Test(const EffectSet& base, const Eigen::VectorXd& noise) const {
     return NullTest(problem_.X, problem_.Z, noise, problem_.evidence, problem_.hypotheses(),
                     base.columns, blocks_, bootstrap_.rounds, bootstrap_.seed);
@@ -101,7 +101,7 @@ class Assessor {
     return WithoutMember(problem_.choices(), set, k);
   }
 
-  // Of the largest statistic of the whole search, an effect's or a curve's.
+  // The p of the largest statistic of the whole search, an effect's or a curve's.
   double GlobalP(const SetSearch& found) {
     EffectSet loudest = found.curve;
     const auto statistic = [&](const EffectSet& single) {
@@ -124,7 +124,7 @@ class Assessor {
     own.columns = curve.columns;
     own.c = set.c.tail(set.c.size() - first);
     Eigen::VectorXd part = problem_.Part(own);
-    // What the declared terms would take of it is no part of what is unexplained.
+    // The part that the declared terms would take of it is not unexplained.
     part = problem_.LeftPlain(part);
     const double rms = problem_.scale * identify::Rms(part);
     if (rms < Floor()) return;
@@ -184,7 +184,7 @@ class Assessor {
     return out;
   }
 
-  // Of every member; the most probable name takes its place.
+  // Ranks the names of every member; the most probable one takes its place.
   void RankNames() {
     for (std::size_t k = 0; k < out_.chosen.members.size(); ++k) {
       const EffectSet without = Without(out_.chosen, k);

@@ -67,7 +67,7 @@ identify::Design AsMeasured(const identify::Design& design) {
   return {std::move(states), design.options()};
 }
 
-// Where the middle of the play is does not show in rows that are freed of each recording's mean:
+// Sets the middle of the play, which does not show in rows that are freed of each recording's mean:
 // the mean over the recordings of what the model leaves of the angles as they are, and, of several,
 // the half width of its 95 % interval by how they differ.
 void SetEncoderOffset(const identify::Design& as_measured, actuator::JointModel* model) {

@@ -16,8 +16,8 @@ namespace sinew::trace {
 
 namespace {
 
-// How far steps of sqrt(2) lead, what share of the residual before each has to leave at most, and
-// whether every effect of the catalogue stands beside the declared terms.
+// Steps of sqrt(2): how many at most, what share of the residual before each has to leave at most,
+// and whether every effect of the catalogue stands beside the declared terms.
 struct Steps {
   int most;
   double share;

@@ -1,4 +1,4 @@
-// How wide the low-pass of the angles has to be. What it cuts off of the motion stays in the
+// Width that the low-pass of the angles has to have. What it cuts off of the motion stays in the
 // balance as an error, and so does the noise of the acceleration that it lets pass: the width is
 // that of the least residual of the declared terms, by least squares, at the rows that both widths
 // use.
@@ -32,9 +32,9 @@ identify::ProcessingOptions BandOfLeastResidual(const std::vector<types::Run>& t
                                                 const actuator::JointModel& joint,
                                                 double longest_gap_s, const InForce& in_force);
 
-// How long after a contact of the teeth the residual of the declared terms is louder than far away
-// from it, by more than a tenth, s; 0: it is not, or the gear is rigid. At most so long that two
-// thirds of the rows remain.
+// Time after a contact of the teeth in which the residual of the declared terms is louder than far
+// away from it, by more than a tenth, s; 0: it is not, or the gear is rigid. At most so long that
+// two thirds of the rows remain.
 double ContactGuard(const std::vector<types::Run>& train, const actuator::JointModel& joint,
                     const identify::ProcessingOptions& options);
 

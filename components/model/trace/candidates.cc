@@ -59,8 +59,8 @@ const Stated kStated[] = {
     {"rigid_body", {}},
 };
 
-// Where both torques of a gear are measured, its motor's and its link's, the balance is that of the
-// gear alone: what hangs on the link is in neither.
+// Effects of what hangs on the link. Where both torques of a gear are measured, its motor's and its
+// link's, the balance is that of the gear alone: they are in neither.
 constexpr const char* kOfLink[] = {"gravity", "gravity_phase", "payload", "payload_step"};
 
 bool IsStated(const std::string& effect, const actuator::JointModel& model) {
@@ -209,7 +209,7 @@ CandidateSet MakeCandidates(const identify::Design& design, const actuator::Join
     }
     // An unloaded load cell contains only its own noise; a gain of -1 would remove that noise.
     const bool reads_load = std::count(info.needs.begin(), info.needs.end(), "load_force_N") != 0;
-    // Where the motor is locked the load cell is the measured side itself.
+    // The load cell is the measured side itself where the motor is locked.
     if (reads_load && (design.silent_load() || design.states().locked)) {
       out.untestable.push_back({name, "load_force_N contains only noise"});
       continue;

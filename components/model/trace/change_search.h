@@ -1,5 +1,5 @@
-// What begins at an instant and lasts, found in a residual as a change point of each recording.
-// Pure; allocates.
+// Effects that begin at an instant and last, found in a residual as a change point of each
+// recording. Pure; allocates.
 #pragma once
 
 #include <cstdint>

@@ -11,7 +11,7 @@
 
 namespace sinew::trace {
 
-// What is missing.
+// The lack of data that a rule finds.
 struct TooLittle {
   std::string rule;  // of rules.h
   double statistic = 0.0, limit = 0.0;

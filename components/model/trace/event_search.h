@@ -44,8 +44,8 @@ struct FoundEvent {
   double explained = 0.0;  // misfit
 };
 
-// What stands out most, if anything does. fit: of the declared terms, with this likelihood; clocks
-// are not touched.
+// The event that stands out most, if any does. fit: of the declared terms, with this likelihood;
+// clocks are not touched.
 std::optional<TimedEffect> FindTimedEffect(const identify::Design& design,
                                            const Likelihood& likelihood,
                                            const actuator::JointModel& declared,

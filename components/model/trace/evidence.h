@@ -37,7 +37,7 @@ class Evidence {
   double misfit() const { return misfit_; }
   // Part of the misfit that is the priors' of the declared terms, with those columns of Z.
   double PriorMisfit(const Columns& columns, const Eigen::VectorXd& c) const;
-  // What the prior widths of columns cost their marginal likelihood, twice its logarithm:
+  // Cost of the prior widths of columns to their marginal likelihood, twice its logarithm:
   // ln det(G + Q) - ln det Q.
   double Occam(const Columns& columns) const;
   // Misfit that the columns of Z take away; >= 0.

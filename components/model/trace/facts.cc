@@ -50,7 +50,7 @@ class HeldOutBalance {
     return out;
   }
 
-  // What a set leaves, its declared terms refitted in training. An event began elsewhere here.
+  // Residual with a set, its declared terms refitted in training. An event began elsewhere here.
   Eigen::VectorXd Left(const EffectSet& set) const {
     Eigen::VectorXd rest =
         target_ - declared_ * problem_.evidence.Declared(set.columns, set.c).head(declared_.cols());
@@ -196,7 +196,7 @@ Facts FactsOf(const Problem& problem, const EffectSet& set, std::size_t k,
   const HeldOutBalance balance(problem, held_out, declared_fit, train);
   out.blocks = static_cast<int>(balance.used().blocks.size());
   if (!balance.usable()) return out;
-  // What the member changes, the declared terms refitted in training with and without it.
+  // The change by the member, the declared terms refitted in training with and without it.
   const Eigen::VectorXd rest = balance.Left(set);
   const Eigen::VectorXd own = balance.Left(without) - rest;
   Likelihood likelihood = balance.likelihood();

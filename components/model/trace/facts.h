@@ -33,7 +33,7 @@ struct Facts {
   static constexpr double kLeastExpected = 2.5;
 };
 
-// What the best free curve gains beside a set, share of what the set does.
+// Gain of the best free curve beside a set, share of the set's.
 double CurveBeside(const Problem& problem, const EffectSet& set);
 
 // An encoder without an absolute zero comes back turned after every start, and the map of the

@@ -35,7 +35,7 @@ constexpr double kHighestOrder = 400.0;
 // A line is worth looking at when noise alone would show one as strong among all independent orders
 // in fewer than one of a thousand recordings: chi^2 with two degrees of freedom.
 constexpr double kRarest = 1e-3;
-// What a free order gains over the true one by chance: chi^2 with one degree of freedom, 95 %.
+// Gain of a free order over the true one by chance: chi^2 with one degree of freedom, 95 %.
 constexpr double kFreeOrder = 3.84;
 // Least travel, in turns, from which an order is known to be whole: a map ends one step before one
 // turn.

@@ -17,7 +17,7 @@
 
 namespace sinew::trace {
 
-// What a shape that is searched for is charged: Akaike's criterion for a free parameter.
+// Charge of a shape that is searched for: Akaike's criterion for a free parameter.
 inline constexpr double kChargePerShape = 2.0;
 
 // A term of the model with its setting; several for an effect of several orders.
@@ -26,7 +26,7 @@ struct TermSetting {
   Columns columns;  // of the bank, a column per linear parameter
 };
 
-// What a hypothesis may be found to be.
+// The part that a hypothesis may be found to play.
 enum class Asked {
   kSearched,  // an effect of the set, or a free curve
   kRival,     // too much like any smooth curve to lead: what stands in an effect's place

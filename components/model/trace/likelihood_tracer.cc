@@ -30,7 +30,7 @@ constexpr int kMostAssessments = 3;
 // Searches the sets without the effects of these names.
 using AssessBy = std::function<SetAssessment(const std::set<std::string>& refuted)>;
 
-// Of those that are asked for the one that training misses least.
+// The effect that training misses least of those that are asked for.
 template <class Asked>
 std::optional<std::size_t> Weakest(const std::vector<FoundEffect>& found, Asked asked) {
   std::optional<std::size_t> out;
@@ -81,8 +81,8 @@ class Correction {
     }
   }
 
-  // What the other low-pass of the angles makes of a size is as far from the truth as this one: two
-  // errors of one variance differ by twice that variance.
+  // A size behind the other low-pass of the angles is as far from the truth as this one: two errors
+  // of one variance differ by twice that variance.
   void WidenIntervals(Design* other, const Likelihood& likelihood) {
     other->UsePredictedRate(whitened_.predicted_rate);
     other->PredictDrive(corrected_.model);
@@ -105,7 +105,7 @@ class Correction {
   const FitResult& corrected() const { return corrected_; }
   const EffectSet& set() const { return set_; }
   const std::vector<ZeroTurn>& zero_turns() const { return zero_turns_; }
-  // Of the first search, for the limit of p_global.
+  // Least statistic of the first search, for the limit of p_global.
   double least_statistic() const { return least_statistic_; }
 
  private:
@@ -152,8 +152,8 @@ class Correction {
     }
   }
 
-  // What the held-out recordings do not confirm is reported, but no part of the model: the weakest
-  // leaves, and the others are confirmed anew without it. Its events stay known.
+  // An effect that the held-out recordings do not confirm is reported, but no part of the model:
+  // the weakest leaves, and the others are confirmed anew without it. Its events stay known.
   void LeaveUnconfirmed(TraceResult* result) {
     std::vector<FoundEffect>& found = result->effects;
     while (!found.empty()) {
@@ -193,7 +193,7 @@ class Correction {
   }
   double BeyondDrive() const { return std::max(train_.beyond_drive(), held_out_.beyond_drive()); }
 
-  // Where the drive cannot give what the set asks of it: the first member without which it can.
+  // The first member without which the drive can give what the set asks of it, where it cannot.
   std::optional<std::size_t> RunningAway() {
     if (Drivable(HeldOutError())) return std::nullopt;
     const EffectSet all = set_;
@@ -233,8 +233,8 @@ class Correction {
     }
   }
 
-  // When it happens is no property of the robot: held-out recordings are searched for it with the
-  // size that training gave.
+  // The time of an event is no property of the robot: held-out recordings are searched for it with
+  // the size that training gave.
   void LocateEvent(TraceResult* result) {
     const std::optional<TimedEffect>& event = base_.likelihood.event;
     if (!event) return;
@@ -325,7 +325,7 @@ class Correction {
     }
   }
 
-  // What the drive cannot give, and what raises the held-out error.
+  // Refusal of what the drive cannot give, and of what raises the held-out error.
   std::optional<Refusal> Worsens(const FoundEffect& found) const {
     if (!Drivable(found.held_out_after))
       return options_.in_force.RefusedBy(rules::kBeyondDrive, BeyondDrive());

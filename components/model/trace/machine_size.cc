@@ -11,7 +11,7 @@ namespace sinew::trace {
 
 namespace {
 
-// Whatever may be expected.
+// The size where anything may be expected.
 constexpr double kAny = std::numeric_limits<double>::infinity();
 
 double SumOf(const actuator::JointModel& model, std::initializer_list<const char*> names) {

@@ -1,4 +1,4 @@
-// What a machine of this size does, and how large an effect on it may be expected: standard
+// Size of a machine by what it does, and how large an effect on it may be expected: standard
 // deviations of a prior that a machine of any size would get. Pure.
 #pragma once
 

@@ -1,4 +1,4 @@
-// How much of a residual is noise of the sensors. Pure; allocates.
+// The part of a residual that is noise of the sensors. Pure; allocates.
 #pragma once
 
 #include <string>

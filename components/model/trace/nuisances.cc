@@ -118,7 +118,7 @@ struct Collected {
 
 double Sign(double x) { return static_cast<double>(x > 0.0) - static_cast<double>(x < 0.0); }
 
-// What no machine of this size is without, as standard deviations relative to it.
+// Imperfections that no machine of this size is without, as standard deviations relative to it.
 class OfMachine {
  public:
   OfMachine(const identify::Design& design, const UsedRows& used, const actuator::JointModel& model)

@@ -34,8 +34,8 @@ double GivingLength(const effects::JointConstants& constants);
 // Leaves the rigid bodies out (MakeNuisances).
 inline constexpr const char* kRigidBodies = "rigid_body";
 
-// Of the model's balance; what the model holds as a term is no nuisance, nor is what is left out by
-// name.
+// Nuisances of the model's balance; what the model holds as a term is none, nor is what is left out
+// by name.
 Nuisances MakeNuisances(const identify::Design& design, const Likelihood& likelihood,
                         const actuator::JointModel& model);
 

@@ -35,7 +35,7 @@ class NullTest {
   // Share of searches without an effect whose largest statistic reaches this one; at least
   // 1 / (rounds + 1).
   double P(double statistic) const;
-  // What a statistic must exceed so that its P is at most p; infinite: no statistic does.
+  // Value that a statistic must exceed so that its P is at most p; infinite: no statistic does.
   double Least(double p) const;
   // Largest statistic of every round.
   const std::vector<double>& largest() const { return largest_; }

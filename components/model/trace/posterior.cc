@@ -13,7 +13,7 @@ constexpr double kNamedMass = 0.9;
 constexpr std::size_t kMostNames = 3;
 constexpr double kLeastProbability = 0.01;
 
-// Of one parameter, share of the gain.
+// Loss by one parameter, share of the gain.
 constexpr double kParameter = 0.01;
 
 // Normalised, most probable first; of those below a hundredth only `kept` stays.

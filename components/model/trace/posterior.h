@@ -33,10 +33,10 @@ struct Alternative {
 // loss of 0. Most probable first; those below a hundredth are left out.
 Posterior PosteriorOfNames(double gain, const std::map<std::string, Alternative>& possible);
 
-// How many of them are named: from the first on as many as hold 90 %, at most three.
+// The number of them that are named: from the first on as many as hold 90 %, at most three.
 std::size_t NamedCount(const Posterior& posterior);
 
-// What they hold together.
+// Probability that the named ones hold together.
 double NamedProbability(const Posterior& posterior);
 
 // The names of them behind the first.

@@ -110,7 +110,7 @@ Eigen::VectorXd Problem::LeftOut(const EffectSet& set,
   const Eigen::VectorXd target = y - X * bank.prior.mean;
   const Eigen::MatrixXd gram = W.transpose() * W;
   const Eigen::VectorXd moment = W.transpose() * target;
-  // What only that block excites stays at its prior's mean.
+  // A coefficient that only that block excites stays at its prior's mean.
   precision += kRidge * gram.diagonal();
   Eigen::VectorXd out = Eigen::VectorXd::Zero(y.size());
   for (const identify::Block& block : blocks) {
@@ -208,7 +208,7 @@ LikelihoodFit EstimateLikelihood(identify::Design* design, const actuator::Joint
   design->UsePredictedRate(likelihood.predicted_rate);
   design->PredictDrive(out.fit.model);
 
-  // What begins at an instant must be known before the noise is: it would count as loud noise.
+  // A timed effect must be known before the noise is: it would count as loud noise.
   if (!design->held()) {
     likelihood.event = FindTimedEffect(*design, likelihood, declared, out.fit, kEventSeed);
   }

@@ -33,9 +33,9 @@ struct Problem {
   // 2002): what a flexible set fits of a block alone stays in it. As long as y, zero between
   // blocks.
   Eigen::VectorXd LeftOut(const EffectSet& set, const std::vector<identify::Block>& blocks) const;
-  // What a set contributes, not whitened.
+  // Contribution of a set, not whitened.
   Eigen::VectorXd Part(const EffectSet& set) const;
-  // What the declared terms leave of it by least squares, not whitened.
+  // Residual of `rest` by least squares with the declared terms, not whitened.
   Eigen::VectorXd LeftPlain(const Eigen::VectorXd& rest) const;
   // Share of the raw residual's variance that a set takes away, the declared terms refitted by
   // least squares with and without it. May be negative.
@@ -52,7 +52,7 @@ int LongestOrder(const identify::Design& design);
 void LearnNoise(const identify::Design& design, const Eigen::Ref<const Eigen::VectorXd>& residual,
                 effects::Balance balance, Likelihood* likelihood);
 
-// What is left with everything in the model, not whitened: noise.
+// Residual with everything in the model, not whitened: noise.
 Eigen::VectorXd Richest(const Problem& problem);
 
 // fit: of the declared terms; the design's drive must be predicted by it.

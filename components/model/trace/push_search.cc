@@ -183,7 +183,7 @@ std::optional<Pushes> PushesOf(const identify::Design& design, const Scan& scan,
     out.p = p;
     apart = k;
   }
-  // What reaches the drive depends on where the teeth are: fainter ones are no other size.
+  // The part that reaches the drive depends on where the teeth are: fainter ones are no other size.
   for (std::size_t k = 0; k < apart; ++k) {
     const double ratio = peaks[k].second.size() / peaks.front().second.size();
     if (ratio > 1.0 / kSameSize && ratio < kSameSize) out.all.push_back(peaks[k]);

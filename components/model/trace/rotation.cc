@@ -114,8 +114,8 @@ std::size_t Confirmations(const std::vector<Rotation>& rotations, const std::str
       }));
 }
 
-// What most rotations confirm, but too few for the model: each as the rotation found it that misses
-// it most.
+// Effects that most rotations confirm, but too few for the model: each as the rotation found it
+// that misses it most.
 std::vector<FoundEffect> OpenEffects(const std::vector<Rotation>& rotations,
                                      const std::vector<FoundEffect>& agreed) {
   std::vector<FoundEffect> found, out;
@@ -158,7 +158,7 @@ std::set<std::string> AgreedEffects(const std::vector<Rotation>& rotations) {
     const std::string& name = effect.first;
     const double own = effect.second;
     if (!agreed(name)) continue;
-    // Of a class that goes by several names the one that gains most in all.
+    // The name that gains most in all stands for a class that goes by several names.
     const bool other = std::any_of(gain.begin(), gain.end(), [&](const auto& entry) {
       if (entry.first == name || entry.second <= own || !agreed(entry.first)) return false;
       return std::any_of(rotations.begin(), rotations.end(), [&](const Rotation& rotation) {

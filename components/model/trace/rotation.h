@@ -21,7 +21,7 @@ struct Rotation {
   TraceResult trace;
 };
 
-// What a rotation is asked.
+// Task of a rotation.
 struct Fold {
   std::vector<types::Run> train;
   types::Run held_out;

@@ -123,8 +123,8 @@ struct Refusal {
   double limit = 0.0;
 };
 
-// What decides in a run: all rules, and the whole catalogue, but for what is taken out to measure
-// its worth (`rig_bank run --without`). A run has one; whoever decides is given it.
+// Rules in force in a run: all, and the whole catalogue, but for what is taken out to measure its
+// worth (`rig_bank run --without`). A run has one; the code that decides is given it.
 struct InForce {
   std::set<std::string, std::less<>> without_rules{};    // ids
   std::set<std::string, std::less<>> without_effects{};  // names that nothing is searched for under

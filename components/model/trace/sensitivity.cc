@@ -127,7 +127,7 @@ std::vector<DetectableSize> FindDetectable(const Problem& problem,
                                  : 0.0;
   const double drive_share = actuator::DriveShare(declared, declared.balance);
   std::map<std::pair<std::string, std::size_t>, DetectableSize> best;
-  // What the declared terms carry of a column, not whitened.
+  // The part of a column that the declared terms carry, not whitened.
   const Eigen::HouseholderQR<Eigen::MatrixXd> qr(problem.bank.declared);
   const Eigen::MatrixXd Q =
       qr.householderQ() *

@@ -35,8 +35,8 @@ std::vector<DetectableSize> FindDetectable(const Problem& problem,
                                            const actuator::JointModel& declared, double statistic,
                                            const EffectSet& found);
 
-// What the recordings could not have shown, and what they could (effect names). shown: effects that
-// they do show, whatever size would have been sure to be found.
+// Effects that the recordings could not have shown, and those that they could (names). shown:
+// effects that they do show, whatever size would have been sure to be found.
 struct Sensitivity {
   std::vector<NotExcited> not_excited;
   std::vector<std::string> assessed;

@@ -9,7 +9,7 @@ namespace sinew::trace {
 
 namespace {
 
-// How many families lead pairs, and how many pairs lead triples.
+// The number of families that lead pairs, and of pairs that lead triples.
 constexpr std::size_t kLeadingFamilies = 12;
 constexpr std::size_t kLeadingPairs = 8;
 

@@ -17,7 +17,7 @@
 
 namespace sinew::trace {
 
-// What sets are made of.
+// Parts that sets are made of.
 struct Choices {
   const Evidence& evidence;
   const std::vector<Hypothesis>& hypotheses;

@@ -1,5 +1,5 @@
-// What a refit absorbed: shifts of declared parameters beyond their tolerance, and the effects
-// that would shift them the same way.
+// Effects absorbed by refitting: shifts of declared parameters beyond their tolerance, and the
+// effects that would shift them the same way.
 #pragma once
 
 #include <string>

@@ -31,7 +31,7 @@ struct TraceOptions {
   bool keep_unconfirmed = false;
   // These effects and no others are fitted, whatever the rules of the search say (rotation.h).
   std::optional<std::set<std::string>> agreed{};
-  // What the held-out recordings refute stays, too: for sets that are given, not found.
+  // Effects that the held-out recordings refute stay, too: for sets that are given, not found.
   bool keep_refuted = false;
   // Held-out error of the machine that the joint is part of, with this model of the joint and
   // everything else refitted (an arm's other joints and its bodies); none: the joint is all.
@@ -74,7 +74,7 @@ struct FoundEffect {
   std::vector<std::string> rivals() const { return RivalsOf(posterior); }
 };
 
-// When an event (a payload put on, a push) began in a recording.
+// Beginning of an event (a payload put on, a push) in a recording.
 struct EventTime {
   std::string effect;
   std::string recording;
@@ -127,8 +127,7 @@ struct DetectableSize {
   std::vector<std::pair<std::string, double>> shape;  // nonlinear parameters
 };
 
-// Which rows of the training recordings the fit of the motion's balance uses, and why not the
-// others.
+// Training rows that the fit of the motion's balance uses, by speed, and why not the others.
 struct RowUsage {
   struct Speed {
     double up_to = 0.0;  // rad/s or m/s; the classes end at 1/30, 1/10, 1/3 and all of the fastest
@@ -142,12 +141,12 @@ struct RowUsage {
 
 enum class Verdict { kNone, kEffect, kUnexplained, kTooLittleData };
 
-// How well a balance holds without and with what was found, in its own unit.
+// Verdict on a balance, and its errors without and with what was found, in its own unit.
 struct Assessment {
   Verdict verdict = Verdict::kNone;
   std::string unseen;  // why no row could be used; empty: rows are used
-  // Of the largest statistic of the whole search, all balances and joints together; none: nothing
-  // to assess.
+  // The p of the largest statistic of the whole search, all balances and joints together; none:
+  // nothing to assess.
   std::optional<double> p_global;
   identify::ModelError nominal_train, nominal_held_out;
   // Declared model, refitted.
@@ -171,7 +170,7 @@ bool NearNoise(const Assessment& assessed);
 // Those that training misses most come first.
 void SortByGain(std::vector<FoundEffect>* effects);
 
-// Of a balance beside the motion's.
+// Summary of a balance beside the motion's.
 struct BalanceSummary : Assessment {
   effects::Balance balance = effects::Balance::kKinematic;
   std::string unit;  // of the errors

@@ -57,7 +57,7 @@ void SetNoiseByRecording(const identify::Design& design,
 // counts, and what no model of the catalogue follows must not decide which rows do.
 Likelihood Unweighted(Likelihood likelihood, const Eigen::Ref<const Eigen::VectorXd>& residual);
 
-// What a fit leaves at the used rows, in units of the balance.
+// Residual of a fit at the used rows, in units of the balance.
 Eigen::VectorXd LeftOver(const identify::FitResult& fit, const UsedRows& used);
 
 // Linear parameters at the present nonlinear ones; nuisances are fitted and forgotten.

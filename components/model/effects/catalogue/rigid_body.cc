@@ -1,5 +1,5 @@
-// What the rigid bodies of an arm need of this joint, computed for all joints together from the
-// URDF (components/model/arm).
+// Torque that the rigid bodies of an arm need of this joint, computed for all joints together from
+// the URDF (components/model/arm).
 #include "components/model/effects/define.h"
 
 namespace sinew::effects::rigid_body {

@@ -378,7 +378,7 @@ Json Start(const Report& report) {
           {"model", report.model_file}};
 }
 
-// What was found: empty where nothing was traced.
+// Adds what was found: empty where nothing was traced.
 void AddTrace(const Report& report, Json* out_json) {
   Json& out = *out_json;
   const trace::TraceResult& trace = report.trace;

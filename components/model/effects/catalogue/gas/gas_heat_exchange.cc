@@ -44,7 +44,7 @@ class HeatExchange final : public Effect {
                   std::span<double> phi) const noexcept override {
     const double pressure = x.pressure_bar + constants_.atmosphere_bar;
     const double shut = x.valve_open ? 0.0 : 1.0;
-    // Whatever is not finite shows, though the valve hides what it drives.
+    // A value that is not finite shows, though the valve hides what it drives.
     const double bad = 0.0 * (x.pressure_rate_bar_s + x.volume_rate_1_s);
     phi[0] = -shut * pressure * (-(kKappa - 1.0) * x.volume_rate_1_s - memory[0] / psi[0]) + bad;
     phi[1] = shut * pressure * memory[1] / psi[0] + bad;

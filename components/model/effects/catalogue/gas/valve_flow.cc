@@ -1,4 +1,4 @@
-// What comes in (or goes out) right after the valve was opened, as it was recorded.
+// Flow in (or out) right after the valve was opened, as it was recorded.
 #include "components/model/effects/define.h"
 
 namespace sinew::effects::gas::valve_flow {

@@ -1,4 +1,4 @@
-// Where the middle of the play is: the encoders were zeroed somewhere.
+// Middle of the play: the encoders were zeroed somewhere.
 #include "components/model/effects/define.h"
 
 namespace sinew::effects::kinematic::encoder_offset {
