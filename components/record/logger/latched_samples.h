@@ -20,7 +20,7 @@
 
 namespace sinew::logger {
 
-// Which samples of a topic are repeated.
+// Samples of a topic that are repeated.
 enum class Repeats {
   kNothing,        // the next cycle brings a new one
   kOfLiveWriters,  // status: as long as the writer is there
@@ -44,8 +44,8 @@ class LatchedSamples {
   // Every message, in the order of reception. describe: called for a writer's first sample.
   void Keep(const RecordedMessage& message,
             const std::function<recording::TextMap(const WriterGuid&)>& describe);
-  // What is to be repeated now. is_live: none: all writers are there. The pointers are valid until
-  // the next Keep.
+  // Samples that are to be repeated now. is_live: none: all writers are there. The pointers are
+  // valid until the next Keep.
   std::vector<const LatchedSample*> Now(
       const std::function<bool(const WriterGuid&)>& is_live) const;
   std::size_t size() const { return samples_.size(); }

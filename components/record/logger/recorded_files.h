@@ -38,9 +38,9 @@ struct FilesOptions {
   std::chrono::nanoseconds split_span{0};     // of reception times in a file; 0: none
   std::chrono::milliseconds sync_span{0};     // from Sync to Sync; 0: at the end of a file only
   std::vector<recording::McapAttachment> attachments;
-  // What a channel's metadata say of its writer, such as its participant's name.
+  // Metadata of a channel on its writer, such as its participant's name.
   std::function<recording::TextMap(const WriterGuid&)> describe_writer;
-  // What a file repeats of the files before it, by topic; empty: nothing.
+  // Samples of the files before it that a file repeats, by topic; empty: nothing.
   std::vector<Repeats> repeats;
   std::function<bool(const WriterGuid&)> writer_is_live;  // none: all are
 };

@@ -11,7 +11,7 @@ namespace sinew::logger {
 
 using WriterGuid = std::array<std::uint8_t, 16>;  // of a DDS writer; zeros: not known
 
-// Whose sample it is, and which of its samples, counted from 1 on without gaps; 0: not known.
+// Writer of a sample, and the sample's number, counted from 1 on without gaps; 0: not known.
 struct SampleOrigin {
   WriterGuid writer{};
   std::uint64_t sequence = 0;

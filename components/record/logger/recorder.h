@@ -52,7 +52,7 @@ struct TopicState {
   std::uint64_t tick = 0;  // of the newest message
 };
 
-// What a joint_state said last.
+// Content of the last joint_state.
 struct SessionState {
   std::uint64_t session_id = 0;
   std::uint64_t tick = 0;
@@ -102,7 +102,7 @@ class Recorder {
   using Instant = RecordedFiles::Instant;
 
   void Run();
-  // Of the writing thread.
+  // Functions of the writing thread.
   recording::IoStatus Take(RecordedMessage&& message);
   void Note(const RecordedMessage& message, const MessageFacts& facts);
   bool IsNewFault(const RecordedMessage& message, const MessageFacts& facts);
@@ -117,7 +117,7 @@ class Recorder {
   const RecorderOptions options_;
   std::vector<std::unique_ptr<TopicReader>> readers_;
 
-  // Of the writing thread.
+  // Members of the writing thread.
   RecordedFiles files_;
   MessageRing ring_;
   Instant ring_closes_{};  // while a file of the ring is open

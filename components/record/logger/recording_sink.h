@@ -1,5 +1,5 @@
-// Where a recording goes: one file, or several one after another. Files: file/file_series.h; tests
-// use memory.
+// Destination of a recording: one file, or several one after another. Files: file/file_series.h;
+// tests use memory.
 #pragma once
 
 #include "components/record/recording/io.h"

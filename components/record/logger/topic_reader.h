@@ -1,5 +1,5 @@
-// What a recorder reads of the messages that it writes: their header, the end of a session, faults.
-// Pure; any thread.
+// Facts that a recorder reads of the messages that it writes: their header, the end of a session,
+// faults. Pure; any thread.
 #pragma once
 
 #include <cstdint>
@@ -34,7 +34,7 @@ class TopicReader {
 
   // Makes the payload canonical.
   MessageFacts Read(recording::Bytes* payload) const;
-  // Of a message with a fault: what is in fault, in words.
+  // Words for what is in fault, of a message with a fault.
   std::string FaultText(const recording::Bytes& payload) const;
   bool is_joint_state() const { return last_tick_.has_value(); }
 

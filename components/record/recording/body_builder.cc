@@ -17,7 +17,7 @@ namespace {
 
 constexpr Eigen::Index kQuaternion = 4, kAxes = 3;
 
-// What a channel's messages fill.
+// Part of the body that a channel's messages fill.
 enum class BodyTopic { kJoints, kFeet, kImu };
 
 struct BodyDecoder {

@@ -159,7 +159,7 @@ std::optional<double> ToNumber(std::string_view cell) {
   return value;
 }
 
-// Where the rows begin, and what their columns are.
+// Beginning of the rows, and their columns.
 struct Begin {
   Lines lines;  // the rows are the next
   char delimiter;

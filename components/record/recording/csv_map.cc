@@ -32,7 +32,7 @@ namespace {
 constexpr std::string_view kJointMark = "{joint}";
 constexpr double kDay_s = 86400.0;
 
-// What "{joint}" stands for.
+// Text that "{joint}" stands for.
 std::string JointMark(const CsvMap& map, int joint) {
   return map.joint_names.empty() ? std::to_string(joint + 1)
                                  : map.joint_names[static_cast<std::size_t>(joint)];
@@ -52,7 +52,7 @@ std::vector<std::string> ColumnsOf(const ColumnMap& map, const std::string& join
   return columns;
 }
 
-// Where each column of the mapping is in the table; `names` grows by those that are new.
+// Places of the mapping's columns in the table; `names` grows by those that are new.
 std::vector<std::size_t> FindColumns(const ColumnMap& map, const std::string& joint,
                                      const std::vector<std::string>& header,
                                      const std::string& file, std::vector<std::string>* names) {
@@ -145,7 +145,7 @@ types::Run ReadRun(const TableSource& source, const std::string& name, const Csv
     throw std::invalid_argument(map.name + ": key 'signals': no column of " + name +
                                 " is read, expected at least one");
   }
-  // What is left out need not be numbers: of the rows of the first seconds only the stamps are
+  // Rows that are left out need not be numbers: of those of the first seconds only the stamps are
   // read.
   Eigen::Index skipped = map.skipped_rows;
   if (map.skipped_s > 0.0 && numbered) {

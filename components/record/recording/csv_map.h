@@ -1,4 +1,4 @@
-// Which column of a CSV file is which signal, in which unit and with which sign.
+// Mapping of the columns of a CSV file to signals, in which unit and with which sign.
 //
 //     value_SI = sign * unit(scale * cell + offset)
 //     cell = (sum of factor * column + constant) * product of other columns

@@ -10,7 +10,7 @@
 
 namespace sinew::recording {
 
-// What became of reading or writing. Empty message: done, wholly.
+// Outcome of reading or writing. Empty message: done, wholly.
 class [[nodiscard]] IoStatus {
  public:
   static IoStatus Ok() { return IoStatus{}; }

@@ -1,4 +1,4 @@
-// What an MCAP file holds, from its summary or by a scan of its records. Internal to mcap_reader.h.
+// Contents of an MCAP file, by its summary or a scan of its records. Internal to mcap_reader.h.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@
 
 namespace sinew::recording {
 
-// Of a file that was cut off.
+// Recovery of a file that was cut off.
 struct Recovery {
   std::uint64_t good_bytes = 0;  // from the start, up to the last whole record
   std::uint64_t lost_bytes = 0;  // after them

@@ -84,7 +84,7 @@ McapChannel ParseChannel(std::uint64_t offset, std::span<const std::byte> conten
 McapMessageHead ParseMessageHead(std::uint64_t offset, Cursor* cursor);
 McapStatistics ParseStatistics(std::uint64_t offset, std::span<const std::byte> content);
 McapChunkIndex ParseChunkIndex(std::uint64_t offset, std::span<const std::byte> content);
-// Of an attachment or metadata index: where the record is.
+// Offset of the record that an attachment or metadata index points to.
 std::uint64_t ParseIndexedOffset(std::uint64_t offset, Opcode opcode,
                                  std::span<const std::byte> content);
 McapMetadata ParseMetadata(std::uint64_t offset, std::span<const std::byte> content);

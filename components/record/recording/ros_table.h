@@ -46,9 +46,9 @@ class RosTable : public TableSource {
     std::vector<std::string> fields;
   };
   std::vector<Joints> joints() const;  // of each topic of the type JointState
-  // How many messages the column's topic has; 0: there is no such column.
+  // The number of messages of the column's topic; 0: there is no such column.
   std::size_t MessagesOf(const std::string& column) const;
-  // What is not as the bag says: topics that are left out, stamps that are 0.
+  // Notes on what is not as the bag says: topics that are left out, stamps that are 0.
   std::vector<std::string> notes() const;
 
   // Throw std::invalid_argument: no column at all, a mapping without stamps, no row, stamps of a

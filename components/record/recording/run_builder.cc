@@ -42,7 +42,7 @@ struct Session {
   bool any_actuator = false;
 };
 
-// What is read of the messages of a channel.
+// Fields that are read of a channel's messages.
 struct Decoder {
   MessageType type;
   std::string topic;

@@ -1,5 +1,5 @@
-// Which field of which topic carries which signal. Bit i of actuator_state.measured_flags says that
-// the robot measures signal i (docs/formats.md has the table for people; a test compares the two).
+// Fields of topics that carry the signals. Bit i of actuator_state.measured_flags says that the
+// robot measures signal i (docs/formats.md has the table for people; a test compares the two).
 #pragma once
 
 #include <string_view>

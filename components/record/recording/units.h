@@ -44,7 +44,7 @@ struct Unit {
 std::optional<Unit> FindUnit(Quantity quantity, std::string_view name);
 // "rad, deg, rev, arcmin, mrad": for messages.
 std::string AcceptedUnits(Quantity quantity);
-// What a signal is made of: positions and torques of linear joints are lengths and forces.
+// Quantity of a signal: positions and torques of linear joints are lengths and forces.
 Quantity QuantityOf(types::Signal signal, types::JointKind kind);
 
 }  // namespace sinew::recording

@@ -1,4 +1,4 @@
-// What a recording says of where it comes from: metadata and attachments. Any thread.
+// Description of where a recording comes from: metadata and attachments. Any thread.
 #pragma once
 
 #include <string>

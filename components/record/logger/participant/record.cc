@@ -64,9 +64,9 @@ Repeats RepeatsOf(const node::TopicInfo& topic) {
   return Repeats::kOfTheSession;
 }
 
-// Of all components, at the beginning of every file but the first (to which a recorder that comes
-// and a session that begins bring them), and twice in the span of a ring, so that what a ring has
-// kept holds a state of its first half.
+// Requests to all components for their states, at the beginning of every file but the first (to
+// which a recorder that comes and a session that begins bring them), and twice in the span of a
+// ring, so that the ring holds a state of its first half.
 class SnapshotRequests {
  public:
   SnapshotRequests(node::Node& node, std::chrono::nanoseconds ring)
@@ -161,7 +161,7 @@ class Session {
     open_ =
         std::make_shared<OpenRecording>(options, schemas, description.metadata, recorder_options);
     for (std::size_t i = 0; i < topics_.size(); ++i) {
-      // Of several writers of an EXCLUSIVE topic one is heard: the numbers of the others have gaps.
+      // One of several writers of an EXCLUSIVE topic is heard: the numbers of the others have gaps.
       const bool exclusive = node::IsExclusive(topics_[i]->profile);
       // In real time this thread looks after the recording now and then; a wake-up for each sample
       // would cost more than the recording.
@@ -210,7 +210,7 @@ class Session {
         end = "session ended";
       }
     }
-    // What is on its way still belongs to the recording.
+    // Samples that are on their way still belong to the recording.
     const auto give_up = Clock::now() + kQuiet;
     while (lockstep_ && Clock::now() < give_up && node_.WaitForData(milliseconds(50))) {
     }

@@ -1,4 +1,4 @@
-// Which topics a recorder reads.
+// Topics that a recorder reads.
 #pragma once
 
 #include <string>

@@ -16,8 +16,8 @@
 
 namespace sinew::logger {
 
-// Where the socket of a player may be, by its participant name: $XDG_RUNTIME_DIR, else /tmp with
-// the user's number. Names are those of participants; other characters than letters, digits, _ - .
+// Path of a player's socket, by its participant name: in $XDG_RUNTIME_DIR, else in /tmp with the
+// user's number. Names are those of participants; other characters than letters, digits, _ - .
 // become _.
 std::filesystem::path PlayerSocket(int domain_id, const std::string& name);
 

@@ -1,4 +1,4 @@
-// When a position of a recording is due on the wall clock: rate, pause, jumps.
+// Instant at which a position of a recording is due on the wall clock: rate, pause, jumps.
 //
 // While it runs: wall = anchor_wall + (position - anchor_position) / rate. All times in
 // nanoseconds; positions count from the first message that is played, wall times from any fixed
@@ -23,10 +23,10 @@ class Pace {
   double rate() const { return rate_; }
   bool paused() const { return paused_; }
 
-  // Where it is. At the maximum rate, and while paused: the last position that was set.
+  // Position at an instant. At the maximum rate, and while paused: the last one that was set.
   std::int64_t PositionAt(std::int64_t wall_ns) const;
-  // When a position is due; nothing while paused. At the maximum rate: at once, which is
-  // `wall_ns`.
+  // Instant at which a position is due; nothing while paused. At the maximum rate: at once, which
+  // is `wall_ns`.
   std::optional<std::int64_t> DueAt(std::int64_t position_ns, std::int64_t wall_ns) const;
 
   // From here on at this position.

@@ -1,5 +1,5 @@
-// What a user asks of a running player, and what the player answers: between the thread that takes
-// the request (a key, a socket) and the player's.
+// Requests of a user to a running player, and its replies: between the thread that takes the
+// request (a key, a socket) and the player's.
 //
 // Requests are lines of text, the same from a key, a socket and a test:
 //

@@ -1,4 +1,4 @@
-// What a player sends: the messages of a recording in the order they were received, marked as
+// Messages that a player sends: those of a recording in the order they were received, marked as
 // replay.
 //
 // Only topics whose recorded type is this build's are played: equal names with other fields would
@@ -110,7 +110,7 @@ class Playlist {
   std::deque<Latched> NewestBefore(std::int64_t time_ns) const;
   void Fill(recording::ChannelId id, std::uint32_t sequence, std::int64_t log_time_ns,
             PlayedMessage* message) const;
-  // Of the last joint_state; there may be several messages at one time.
+  // Place of the last joint_state; there may be several messages at one time.
   struct Place {
     recording::ChannelId channel{};
     std::int64_t log_time_ns = 0;

@@ -225,7 +225,7 @@ class Player {
     if (progress_) progress_(result_);
   }
 
-  // Of the clock of pace_.
+  // Time on the clock of pace_.
   std::int64_t Wall() const {
     return waiting_ ? 0 : std::chrono::nanoseconds(Clock::now() - start_).count();
   }
@@ -336,7 +336,7 @@ class Player {
     return next_.session_id != last_session_ || next_.tick > last_tick_ || !last_due_ns_;
   }
 
-  // What is left of this tick, and so many whole ones. False: nothing was left.
+  // Plays what is left of this tick, and so many whole ones. False: nothing was left.
   bool Step(std::uint64_t ticks) {
     bool any = false, tick_begun = false;
     while (!stop_.requested() && Fetch()) {

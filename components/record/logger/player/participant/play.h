@@ -33,8 +33,8 @@ struct PlayOptions {
   std::uint64_t loop = 1;  // how often it is played; 0: until it is stopped
   bool paused = false;     // from the start
   bool follow = false;
-  // Of every topic. Below 0: some readers of any topic, and no new one for 300 ms; in real time
-  // without any it begins after 2 s.
+  // Readers of every topic to wait for. Below 0: some readers of any topic, and no new one for
+  // 300 ms; in real time without any it begins after 2 s.
   int wait_readers = -1;
   double wait_timeout_s = 30.0;    // for readers, and for a running session when following
   std::vector<std::string> await;  // TOPIC or TOPIC:WINDOW, lockstep
