@@ -64,7 +64,7 @@ constexpr std::uint16_t CrcStep(std::uint16_t crc, bool bit) {
   return next ? crc ^ kCrcPolynomial : crc;
 }
 
-// What eight bits do to a CRC, by its upper eight bits and theirs.
+// The change of a CRC by eight bits, by its upper eight bits and theirs.
 constexpr auto kCrcOfByte = [] {
   std::array<std::uint16_t, 256> table{};
   for (unsigned byte = 0; byte < 256; ++byte) {

@@ -1,4 +1,4 @@
-// How long a frame takes on the wire. Pure; any thread; allocates nothing.
+// The time that a frame takes on the wire. Pure; any thread; allocates nothing.
 //
 // ISO 11898-1: start bit, arbitration, control, data and CRC field are stuffed (after five equal
 // bits one of the opposite value, which counts in turn); CRC delimiter, acknowledge (2), end of

@@ -46,7 +46,7 @@
 
 namespace sinew::can {
 
-// What a body node measures.
+// The part of the body that a node measures.
 enum class BodyPart { kRightFoot, kLeftFoot, kImu };
 
 const char* BodyPartName(BodyPart part);  // "right foot", "left foot", "imu"
@@ -66,7 +66,7 @@ struct FootForces {
 struct ImuForce {
   std::array<double, 3> specific_force_m_s2{};
   std::uint8_t sequence = 0;
-  // Of the whole sample.
+  // Flags of the whole sample.
   bool force_valid = false;
   bool rate_valid = false;
   bool orientation_valid = false;

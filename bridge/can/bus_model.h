@@ -57,8 +57,8 @@ class BusModel {
   // Lets time pass up to `now_ns`; every frame that ended by then is delivered, in order.
   void Advance(std::int64_t now_ns, const std::function<void(const Delivery&)>& deliver);
 
-  // When the next thing ends by itself (the frame on the bus, or the one that will start next);
-  // nothing when idle.
+  // The time at which the next frame ends by itself (the one on the bus, or the one that will start
+  // next); nothing when idle.
   std::optional<std::int64_t> NextEnd() const;
 
   NodeHealth health(int node) const;

@@ -60,7 +60,7 @@ std::array<Frame, kCompactStateFrames> EncodeState(int gateway_node,
 bool DecodeReferences(int gateway_node, const Frame& frame, CompactReferences* references) noexcept;
 bool DecodeState(int gateway_node, const Frame& frame, CompactState* state) noexcept;
 
-// Which of the state's (references') frames it is by its identifier, counted from 0; -1: none.
+// The number of a state's (references') frame by its identifier, counted from 0; -1: none.
 int StateFrameNumber(int gateway_node, const Frame& frame) noexcept;
 int ReferenceFrameNumber(int gateway_node, const Frame& frame) noexcept;
 Command StateCommand(int number);

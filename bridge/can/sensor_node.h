@@ -26,7 +26,7 @@ enum class NodeCommand : std::uint8_t {
   kOutputEncoder = 0x09,
   kJointSensors = 0x0A,
   kValveCommand = 0x0B,
-  // Of body nodes (body_node.h).
+  // Messages of body nodes (body_node.h).
   kFootForces = 0x0C,
   kImuForce = 0x0D,
   kImuRate = 0x0E,
@@ -44,7 +44,7 @@ inline constexpr std::uint8_t kInertial = 0x20;     // accelerometer or gyroscop
 inline constexpr std::uint8_t kOrientation = 0x40;  // the IMU's estimate of its orientation
 }  // namespace node_error
 
-// Of all our frames. A frame that is added does not change it, other bytes of one that is there do.
+// Version of all our frames. An added frame does not change it, other bytes of an existing one do.
 inline constexpr std::uint8_t kNodeFramesVersion = 1;
 
 struct NodeHeartbeat {

@@ -53,9 +53,9 @@ class AxisStateMachine {
   // Idle at once, requested by the caller. The joint moves again only after arming.
   void GoIdle(std::int64_t now_ns);
 
-  // What to do about the axis error of the last heartbeat. kClear: the watchdog of an axis that is
-  // not active expired, as between the start and the first cycle; it is no fault, and
-  // `measured` is cleared, too. kRequestCodes: once for each error.
+  // The action for the axis error of the last heartbeat. kClear: the watchdog of an axis that is
+  // not active expired, as between the start and the first cycle; it is no fault, and `measured` is
+  // cleared, too. kRequestCodes: once for each error.
   ErrorAction AssessErrors(std::int64_t now_ns, const FaultLatch& fault,
                            JointMeasurement* measured);
   // The operator's reset: error codes are requested again for the next error.

@@ -1,4 +1,4 @@
-// What one body node (bridge/can/body_node.h) reported last, and how new it is.
+// The last report of one body node (bridge/can/body_node.h), and how new it is.
 //
 // A measurement is new when its sequence number differs from that of the last one: a number that
 // stands still is a measurement that stands still. With the age t of the last new one:
@@ -29,7 +29,7 @@
 
 namespace sinew::bridge {
 
-// When the newest sample came, by its sequence number.
+// The time of the newest sample, by its sequence number.
 class SampleClock {
  public:
   // True: a new one. A step forward of less than half of the 256 numbers counts what is missing

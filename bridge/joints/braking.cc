@@ -7,7 +7,7 @@
 namespace sinew::bridge {
 namespace {
 
-// Of pi / 2, the limit of stability: see the header.
+// Slope L / J of each term; twice it is below pi / 2, the limit of stability: see the header.
 constexpr double kGainOfEach = 0.7;
 constexpr double kSlowest = 0.25;
 

@@ -75,8 +75,8 @@ double DistanceAfterLatency(const Envelope& envelope, double distance_rad, doubl
 // envelope that brakes.
 double LargestTorque(const Envelope& envelope, double distance_rad, double velocity_rad_s);
 
-// Where the joint may be. A joint that is armed outside its limits must not be thrown back: the
-// limit is where it is, and follows it inwards until it is the declared one.
+// The positions that a joint may have. A joint that is armed outside its limits must not be thrown
+// back: the limit is where it is, and follows it inwards until it is the declared one.
 struct PositionRange {
   double lower_rad = 0.0;
   double upper_rad = 0.0;

@@ -53,7 +53,7 @@ class CanJoint {
   const JointConfig& config() const { return config_; }
   const JointMeasurement& measured() const { return measured_; }
   const FaultLatch& fault() const { return fault_; }
-  // When the heartbeat came that reports an axis, which should be idle, as idle; 0: none did.
+  // Time of the heartbeat that reports an axis, which should be idle, as idle; 0: none did.
   std::int64_t idle_reported_ns() const;
   bool is_polled() const { return exchange_->is_polled(); }
 

@@ -27,7 +27,7 @@ class CompactLink {
   enum class Taken { kNotOurs, kRefused, kPart, kComplete };
   // kRefused: too short, or a frame before it was lost.
   Taken Take(const can::Received& received);
-  // Of the last complete state; stamp_ns is its first frame's, 0 before there is one.
+  // The last complete state; stamp_ns is its first frame's, 0 before there is one.
   const can::CompactState& state() const { return state_; }
   std::int64_t stamp_ns() const { return stamp_ns_; }
 

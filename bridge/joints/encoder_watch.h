@@ -38,7 +38,7 @@ namespace sinew::bridge {
 
 // The longest wait of a frame for its place on the bus; as for jumps.
 inline constexpr double kEncoderLag_s = 0.01;
-// What lagged when the joint was fast is caught up with after some times the lag.
+// The lag of a fast motion is caught up with after some times the lag.
 inline constexpr double kLagForgets_s = 0.1;
 // Two lost frames of a sensor node that sends every 20 ms (estimate_timeout_ms) are no slip.
 inline constexpr double kSlipPersists_s = 0.06;

@@ -1,4 +1,4 @@
-// What the bridge sends to one joint's controller: setpoints, neutral setpoints, requests.
+// The frames to one joint's controller: setpoints, neutral setpoints, requests.
 //
 // Two implementations: DirectExchange sends CANSimple to the controller. GatewayExchange collects
 // position setpoints as references of the compact exchange (bridge/can/compact.h), in steps of 0.01

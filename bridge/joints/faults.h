@@ -69,7 +69,7 @@ struct FaultInput {
   std::int64_t now_ns = 0;
 };
 
-// What was measured beyond a limit, as in types::Fault.
+// A measured value beyond its limit, as in types::Fault.
 struct Excess {
   double value = 0.0, limit = 0.0;
   std::string detail{};

@@ -23,7 +23,7 @@ inline std::int64_t ToNs(double seconds) {
   return static_cast<std::int64_t>(std::llround(1e9 * seconds));
 }
 
-// What stops the joint before a position limit (braking.h); at the output.
+// Data of the stop before a position limit (braking.h); at the output.
 struct Braking {
   double reflected_inertia_kg_m2 = 0.0;  // of the rotor: the least that moves
   double max_inertia_kg_m2 = 0.0;        // rotor, link and the heaviest payload
@@ -63,8 +63,8 @@ struct JointConfig {
   int bus = 0;
   int node = 0;
   can::Firmware firmware = can::Firmware::k0_5_6;
-  // Of the controller, hexadecimal digits in capitals; empty: not declared. No message of these
-  // firmwares carries it, so it is read over USB (docs/bring-up.md).
+  // Serial number of the controller, hexadecimal digits in capitals; empty: not declared. No
+  // message of these firmwares carries it, so it is read over USB (docs/bring-up.md).
   std::string serial_number = {};
   int direction = 1;
   double gear_ratio = 1.0;
@@ -98,9 +98,9 @@ struct BodyNodeConfig {
   int bus = 0;
   int node = 0;
   can::BodyPart part = can::BodyPart::kRightFoot;
-  // Of an IMU: its housing in the torso (x forward, y left, z up), as the rotation R that takes
-  // vectors of the housing to the torso, v_torso = R v_housing; roll about x, then pitch about y,
-  // then yaw about z of the torso.
+  // Mounting of an IMU: its housing in the torso (x forward, y left, z up), as the rotation R that
+  // takes vectors of the housing to the torso, v_torso = R v_housing; roll about x, then pitch
+  // about y, then yaw about z of the torso.
   std::array<double, 3> mounting_rpy_rad = {};
 };
 

@@ -1,4 +1,4 @@
-// What the controller and the sensor node of one joint reported last, in the joint's convention.
+// The last reports of a joint's controller and sensor node, in the joint's convention.
 //
 // Output angle q, motor angle m (at the shaft), controller's revolutions r:
 //
@@ -61,7 +61,7 @@ struct JointMeasurement {
   // Stamp of the oldest of the measurements that make up the joint's state.
   std::int64_t motion_ns() const;  // of position and velocity the older
   std::int64_t oldest_ns() const;
-  // What has not been received since the start, as "no heartbeat of axis node 3"; empty: nothing.
+  // Sources that sent nothing since the start, as "no heartbeat of axis node 3"; empty: none.
   std::string Missing() const;
 
   // Raises kOutputJump; `output` is the new one.

@@ -21,7 +21,7 @@ namespace sinew::bridge {
 
 // The axis is idle this long after its last setpoint (docs/bring-up.md: watchdog_timeout).
 inline constexpr double kWatchdogLimit_s = 0.1;
-// What the measurement adds: the controller's timer is set to the limit itself, its heartbeats come
+// Error of the measurement: the controller's timer is set to the limit itself, its heartbeats come
 // within some milliseconds of their period, this process within some of its times.
 inline constexpr double kWatchdogResolution_s = 0.01;
 

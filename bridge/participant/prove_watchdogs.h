@@ -10,7 +10,7 @@
 
 namespace sinew::bridge {
 
-// Where the proofs are; empty: arming needs none. Throws UsageError: hardware without.
+// Path of the proofs; empty: arming needs none. Throws UsageError: hardware without.
 std::filesystem::path ProofPath(const config::Section& section, const BridgeFile& file);
 
 // Why the joints may not be armed; empty: all have a proof, or none is needed.

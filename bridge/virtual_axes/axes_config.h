@@ -78,12 +78,12 @@ struct BodyNodeConfig {
   int bus = 0;
   int node = 0;
   can::BodyPart part = can::BodyPart::kRightFoot;
-  // Of an IMU: its housing in the torso; v_torso = R v_housing, R = Rz(yaw) Ry(pitch) Rx(roll).
+  // Mounting of an IMU in the torso: v_torso = R v_housing, R = Rz(yaw) Ry(pitch) Rx(roll).
   std::array<double, 3> mounting_rpy_rad = {};
   int sample_ms = 2;
   int heartbeat_ms = 100;
   BodyFault fault = {};
-  // Of an IMU, standard deviation of each axis and sample, white and Gaussian; 0: none.
+  // Noise of an IMU, standard deviation of each axis and sample, white and Gaussian; 0: none.
   double force_noise_m_s2 = 0.0;
   double rate_noise_rad_s = 0.0;
 };

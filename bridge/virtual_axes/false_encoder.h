@@ -31,7 +31,7 @@ class FalseEncoder {
   // Another fault, from the last right reading on.
   void Plant(const EncoderFault& fault) { fault_ = fault; }
 
-  // What is reported when this is true, at a time since the start of the axes.
+  // The reported reading for this true one, at a time since the start of the axes.
   Reading Of(const Reading& truth, double time_s) {
     if (fault_.kind == EncoderFaultKind::kNone || time_s < fault_.after_s) {
       begin_ = truth;

@@ -42,7 +42,7 @@ class GatewayModel {
   can::CompactState state_;  // the last that was sent
 };
 
-// Of a unit quaternion, body to world: about x, then y, then z of the world.
+// Angles of a unit quaternion, body to world: about x, then y, then z of the world.
 std::array<double, 3> RollPitchYaw(const std::array<double, 4>& orientation_wxyz);
 
 }  // namespace sinew::virtual_axes

@@ -1,4 +1,4 @@
-// When a message that is sent by itself is due, and the frames that are due together. Times are
+// The due time of a message that is sent by itself, and the frames that are due together. Times are
 // nanoseconds of one clock and come in. Allocates nothing.
 #pragma once
 

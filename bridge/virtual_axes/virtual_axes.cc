@@ -137,7 +137,7 @@ void VirtualAxes::SendDue(std::int64_t now_ns) {
 }
 
 void VirtualAxes::Send(int bus, const can::Frame& frame) {
-  // What finds no space is counted there; the next one follows.
+  // A frame that finds no space is counted there; the next one follows.
   (void)transports_[static_cast<std::size_t>(bus)]->Send(frame);
 }
 

@@ -30,7 +30,7 @@ class VirtualAxes {
 
   // Starts at this time.
   void Start(std::int64_t now_ns);
-  // When Run is to be called next.
+  // The time at which Run is to be called next.
   std::int64_t next_ns() const { return next_step_ns_; }
   // Takes what has arrived, moves the plant up to `now_ns`, sends what is due. After a pause longer
   // than 50 ms the plant's time stands still for the rest of it.

@@ -1,4 +1,4 @@
-// What happens to a simulated robot on a floating base, tick by tick: payloads, pushes, drives that
+// Disturbances of a simulated robot on a floating base, tick by tick: payloads, pushes, drives that
 // are lost, slippery ground.
 //
 // An entry acts from at_s to until_s after the start, in ticks k since the start with

@@ -1,4 +1,4 @@
-// What the gas terms of a joint model add to an isothermal chamber: leaks, heat, a valve that opens
+// Effects of a joint model's gas terms on an isothermal chamber: leaks, heat, a valve that opens
 // late.
 //
 // The terms of the gas balance that are rates (effects::EffectInfo::rate), but for the declared

@@ -56,7 +56,7 @@ struct JointPlantConfig {
   bool link_inertia_in_body = false;
 };
 
-// What acts on the link during a step.
+// The load on the link during a step.
 struct LinkLoad {
   double torque_Nm = 0.0;  // without friction
   double added_inertia_kg_m2 = 0.0;
@@ -73,7 +73,7 @@ class JointPlant {
   // body as seen at the joint (0: the model describes it all).
   void Reset(double position_rad, double body_inertia_kg_m2);
 
-  // Where the rotor is after Reset; without free play it is where the output is.
+  // Sets the rotor's state after Reset; without free play the rotor is where the output is.
   void SetRotor(double motor_position_rad, double motor_velocity_rad_s) noexcept;
 
   void SetCommand(const DriveCommand& command) noexcept;

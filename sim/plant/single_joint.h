@@ -19,7 +19,7 @@ class SingleJoint {
   const JointPlant& plant() const { return plant_; }
   double position_rad() const { return position_rad_; }
   double velocity_rad_s() const { return velocity_rad_s_; }
-  // Of the link's step that just ended.
+  // Acceleration in the link's step that just ended.
   double acceleration_rad_s2() const { return acceleration_rad_s2_; }
   double inertia_kg_m2() const { return inertia_kg_m2_; }
 

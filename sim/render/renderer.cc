@@ -147,7 +147,7 @@ PictureTarget MakeTarget(int width, int height, int samples, bool has_depth) {
 
 Vector3d ToLight() { return Vector3d(0.25, 0.50, 1.0).normalized(); }
 
-// What OpenGL made is freed with its context.
+// Objects of OpenGL are freed with their context.
 struct Renderer::Impl {
   Impl(const Scene& drawn, int pixels_across, int pixels_down)
       : scene(drawn), width(pixels_across), height(pixels_down) {

@@ -105,7 +105,7 @@ RobotPose StandingPose(const Scene& scene) {
 }
 
 Eigen::AlignedBox3d PostureBox(const Scene& scene) {
-  // Of a link's origin: a ball around the first moving joint that carries it, or its own place.
+  // Ball of a link's origin, around the first moving joint that carries it, or its own place.
   struct Ball {
     Vector3d center = Vector3d::Zero();
     double radius_m = 0.0;

@@ -1,5 +1,4 @@
-// What a robot looks like: its bodies and the coloured shapes on them, and where these are in a
-// pose.
+// Appearance of a robot: its bodies and the coloured shapes on them, and where these are in a pose.
 //
 // SI units; world axes, z up, the ground is z = 0. Thread: free functions of plain data.
 #pragma once
@@ -66,8 +65,8 @@ RobotPose StandingPose(const Scene& scene);
 // shape is no further from the first moving joint that carries it than the links between are long.
 Eigen::AlignedBox3d PostureBox(const Scene& scene);
 
-// Of a robot whose base is fixed, such as a hanging arm: all joints at 0, the base upright, x and y
-// 0, on the ground, or so high that no posture reaches below it.
+// The pose of a robot whose base is fixed, such as a hanging arm: all joints at 0, the base
+// upright, x and y 0, on the ground, or so high that no posture reaches below it.
 RobotPose MountedPose(const Scene& scene);
 
 // Moves a pose so that a link's frame, its origin on the ground, has this place and heading:

@@ -47,7 +47,7 @@ class Excitation {
   double Reference_rad(double time_s) const;  // designed, task; of the hand in pea
   double Hand_N(double time_s) const;
   double PressureTarget_bar(double time_s) const;
-  // Where the rig stands and how it is locked when the experiment starts.
+  // Sets the rig's position and lock at the start of the experiment.
   void Prepare(RigParameters* rig) const;
 
   double initial_pressure_bar() const { return pressure_[0].target_bar; }

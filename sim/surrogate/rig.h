@@ -34,7 +34,7 @@ struct RigInput {
   double imposed_pressure_bar = 0.0;
 };
 
-// What a row of the lab's log holds.
+// A row of the lab's log.
 struct RigReading {
   double motor_angle_rad = 0.0;       // motor shaft
   double motor_velocity_rad_s = 0.0;  // motor shaft, drive's observer
@@ -51,7 +51,7 @@ struct RigReading {
   bool valve_open = false;  // as commanded to the relay
 };
 
-// What is really so.
+// The true state of the rig.
 struct RigTruth {
   double time_s = 0.0;
   double motor_angle_rad = 0.0;
@@ -163,7 +163,7 @@ class Rig {
   double hand_force_N_ = 0.0;
   double payload_kg_ = 0.0;
   bool valve_command_ = false;
-  // Of undeclared effects only.
+  // States of undeclared effects only.
   double tip_rad_ = 0.0;  // flexible link: its outer part
   double tip_rad_s_ = 0.0;
   double lagged_gauge_Pa_ = 0.0;  // in a lagging pressure sensor

@@ -1,4 +1,4 @@
-// What the rig does and its declared model lacks: effects switched on by name.
+// Effects of the rig that its declared model lacks, switched on by name.
 //
 // Each is a mechanism of its own (a table, a bank of slip elements, a mass, a worn part, a sensor's
 // fault), written apart from the catalogue that looks for it. `size` has the unit that
@@ -81,7 +81,7 @@ struct EffectSpec {
 // saying what was wrong and which names there are.
 std::optional<EffectSpec> ParseEffect(std::string_view text);
 
-// What the effects need to know at an instant.
+// The rig's state at an instant, as far as the effects need it.
 struct EffectState {
   double motor_angle_rad = 0.0;       // rotor
   double motor_velocity_rad_s = 0.0;  // rotor
@@ -116,7 +116,7 @@ class Undeclared {
   double TorqueShare(double current_A) const noexcept;
   // Bus voltage over the nominal one.
   double SupplyShare() const noexcept;
-  // How far the rig's base is tilted, rad; the link's angle to the horizontal is larger by it.
+  // Tilt of the rig's base, rad; the link's angle to the horizontal is larger by it.
   double Tilt_rad() const noexcept;
   // Share of the chamber's torque that reaches the link.
   double PneumaticShare(double chamber_gauge_bar) const noexcept;

@@ -1,6 +1,5 @@
-// What belongs to the joints of a simulated robot and not to its base: an actuator plant and at
-// most one pneumatic element in each, commands, disturbances of joints, and their sensors.
-//
+// Parts of a simulated robot that belong to its joints and not to its base: an actuator plant and
+// at most one pneumatic element in each, commands, disturbances of joints, and their sensors.
 // The caller integrates the bodies. For every joint and step, after half a step of motion:
 //
 //     load = Begin(joint, q, v, dt)      torque, added inertia and bounds of the impulse on the
@@ -63,7 +62,7 @@ class ActuatedJoints {
   bool prismatic(int joint) const { return at(joint).prismatic; }
   const std::string& name(int joint) const { return at(joint).plant.model().name; }
   int chain_joint(int joint) const { return at(joint).chain_joint; }
-  // Of a joint of the model; -1: there is none of this name.
+  // Index of a joint of the model; -1: there is none of this name.
   int Find(const std::string& name) const noexcept;
   double start_position_rad(int joint) const { return at(joint).config.position_rad; }
   std::uint32_t measured_flags() const { return measured_flags_; }

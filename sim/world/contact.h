@@ -48,7 +48,7 @@ struct GroundConfig {
   double tangential_damping_ratio = 0.3;  // zeta
 };
 
-// What a point remembers between steps.
+// State of a point that is kept between steps.
 struct ContactMemory {
   Eigen::Vector2d anchor_m = Eigen::Vector2d::Zero();  // x, y
   bool touches = false;

@@ -83,8 +83,8 @@ struct FloatingChain::Impl {
     Eigen::Matrix3d rotation;  // link to world
     Eigen::Vector3d origin, com;
     Eigen::Vector3d angular, linear;  // of the origin
-    // Of its joint: (angular, linear) velocity of the base link's origin, carried along, for a unit
-    // of the joint's.
+    // Motion of its joint: (angular, linear) velocity of the base link's origin, carried along, for
+    // a unit of the joint's.
     Vector6 motion = Vector6::Zero();
   };
   struct Constants {

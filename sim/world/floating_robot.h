@@ -88,7 +88,7 @@ struct FloatingRobotConfig {
   std::vector<ContactFrame> contacts;
   GroundConfig ground;
   std::string imu_link;  // fixed to the base; its axes are the IMU's; empty: no IMU
-  // Of the base link's origin at the start, upright over x = y = 0. Left out: such that the
+  // Height of the base link's origin at the start, upright over x = y = 0. Left out: such that the
   // contacts carry the weight at rest, joints at their start.
   std::optional<double> base_height_m;
   double substep_s = kRobotSubstep_s;

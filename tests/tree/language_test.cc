@@ -1,5 +1,5 @@
-// The words and the references of the tree: what docs/glossary.md replaces is not used, and a
-// document cites only files that are there.
+// The words and the references of the tree: what docs/glossary.md replaces is not used, a comment
+// begins with its noun, and a document cites only files that are there.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -152,6 +152,49 @@ TEST(Language, ReplacedWordsAreNotUsed) {
   }
   EXPECT_GT(scanned, 500);
   EXPECT_TRUE(found.empty()) << Joined(found);
+}
+
+bool IsComment(const std::string& line) {
+  const std::size_t first = line.find_first_not_of(' ');
+  return first != std::string::npos && line.compare(first, 2, "//") == 0;
+}
+
+std::string FirstWordOfComment(const std::string& line) {
+  const auto is_letter = [](unsigned char c) { return std::isalpha(c) != 0; };
+  const auto begin = line.begin() + static_cast<std::ptrdiff_t>(
+                                        std::min(line.find_first_not_of(" /"), line.size()));
+  return {begin, std::find_if_not(begin, line.end(), is_letter)};
+}
+
+TEST(Language, TheFirstWordOfACommentStandsBehindItsSlashes) {
+  EXPECT_TRUE(IsComment("  // Of a link"));
+  EXPECT_FALSE(IsComment("int a;  // Of a link"));
+  EXPECT_EQ(FirstWordOfComment("  // Of a link"), "Of");
+  EXPECT_EQ(FirstWordOfComment("//What's"), "What");
+  EXPECT_EQ(FirstWordOfComment("//"), "");
+}
+
+TEST(Language, CommentsBeginWithTheirNoun) {
+  static const std::set<std::string> kNotFirst = {"Of",       "Who",   "Whoever", "Whose", "What",
+                                                  "Whatever", "Which", "How",     "Where", "When"};
+  std::vector<std::string> found;
+  int comments = 0;
+  for (const char* top : {"bridge", "components", "sim", "tools"}) {
+    for (const std::string& file : Files(top)) {
+      if (!EndsWith(file, ".cc") && !EndsWith(file, ".h")) continue;
+      const std::vector<std::string> lines = Lines(Read(kRoot / file));
+      for (std::size_t i = 0; i < lines.size(); ++i) {
+        if (!IsComment(lines[i]) || (i > 0 && IsComment(lines[i - 1]))) continue;
+        ++comments;
+        const std::string word = FirstWordOfComment(lines[i]);
+        if (kNotFirst.count(word) != 0) found.push_back(file + ":" + std::to_string(i + 1));
+      }
+    }
+  }
+  EXPECT_GT(comments, 4000);
+  EXPECT_TRUE(found.empty()) << "A comment begins with the noun that it describes, or with a verb; "
+                                "not with Of, What, Who, Which, How, Where, When:\n"
+                             << Joined(found);
 }
 
 // Documents of the project; a changelog names what once was.

@@ -27,7 +27,7 @@ constexpr char kOption[] = "--config";
 constexpr char kUnknownKey[] = "conform_unknown_key";
 constexpr char kAbsentFile[] = "conform-no-such-file.yaml";
 
-// Where the arguments name a configuration: the file, and how to name another one.
+// The arguments that name a configuration: the file, and how to name another one.
 struct ConfigArgument {
   fs::path file;
   std::size_t first = 0, count = 0;  // arguments that it takes

@@ -77,7 +77,7 @@ void CheckLostInputs(RealTimeRun& run) {
       }
       marked += " " + input;
       (void)run.stage.Play(run.Armed(), kRecovery);
-      // What settles only after a while may stay unsettled.
+      // An output that settles only after a while may stay unsettled.
       if (output == node::kPneumaticState.name) continue;
       const double back = BestShare(run, run.Armed(), output, &IsFresh);
       if (back < kMostTicks) {
@@ -171,8 +171,8 @@ void CheckSessions(RealTimeRun& run) {
 
 namespace {
 
-// What DDS may find itself, or a decoder. A count beyond its array is any octet for DDS: that the
-// program finds, and counts.
+// Damages that DDS may find itself, or a decoder. A count beyond its array is any octet for DDS:
+// that the program finds, and counts.
 const std::vector<Stage::Damaging>& Damages() {
   static const std::vector<Stage::Damaging> kDamages = {
       [](const node::Bytes& good) { return node::Bytes(good.begin(), good.begin() + kCut); },

@@ -64,7 +64,7 @@ LockstepRun RunOnce(const Options& options, const Role& role, std::optional<int>
   return run;
 }
 
-// Where two runs differ; empty: nowhere. The last tick of the first one ends its session.
+// The difference of two runs; empty: none. The last tick of the first one ends its session.
 std::string Difference(const Role& role, const LockstepRun& one, const LockstepRun& other) {
   std::vector<node::TopicInfo> topics = role.must_write;
   topics.insert(topics.end(), role.may_write.begin(), role.may_write.end());

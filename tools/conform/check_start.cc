@@ -35,8 +35,8 @@ struct Strengths {
   std::uint32_t own = 0, owners = 0;
 };
 
-// Of each owned topic that the role must write. own: the greatest, because a program may keep an
-// old writer of a topic for a moment.
+// Strengths on each owned topic that the role must write. own: the greatest, because a program may
+// keep an old writer of a topic for a moment.
 std::vector<Strengths> StrengthsOf(const RealTimeRun& run) {
   std::vector<Strengths> strengths;
   const auto endpoints = OwnedEndpoints(run);

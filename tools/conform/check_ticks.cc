@@ -11,7 +11,7 @@ namespace sinew::conform {
 
 namespace {
 
-// What is wrong with the ticks of a topic's outputs; empty: nothing.
+// The first fault of the ticks of a topic's outputs; empty: none.
 std::string TickFault(const Window& window, const std::string& topic) {
   const auto outputs = window.outputs.find(topic);
   if (outputs == window.outputs.end()) return "";

@@ -14,10 +14,10 @@
 
 namespace sinew::conform {
 
-// How soon a program that was asked to stop has ended.
+// Time in which a program that was asked to stop has ended.
 inline constexpr std::chrono::milliseconds kEnd(2000);
-// How soon after its start its endpoints and its status are there, or it has refused its options; a
-// program of the project takes 0.2 s, loading the largest network 1 s on a busy machine.
+// Time after its start until its endpoints and its status are there, or it has refused its options;
+// a program of the project takes 0.2 s, loading the largest network 1 s on a busy machine.
 inline constexpr std::chrono::milliseconds kStart(5000);
 // Real time on a machine that is not. A window is 12 ticks, 50 ms at 240 Hz; of its ticks this
 // share has to be answered, with the flags that are expected. On a busy machine a window may miss

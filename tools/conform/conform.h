@@ -24,7 +24,7 @@ struct Options {
   std::vector<std::string> only;  // names of checks; empty: all
 };
 
-// Of all checks, in the order of the report.
+// Names of all checks, in the order of the report.
 std::vector<std::string> CheckNames();
 
 // Takes 5 to 10 s. Throws UsageError: no such role or check, or the domain is in use.

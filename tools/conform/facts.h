@@ -1,4 +1,4 @@
-// What the checks look at in an output, whatever its type.
+// The facts of an output that the checks look at, whatever its type.
 #pragma once
 
 #include <cstdint>

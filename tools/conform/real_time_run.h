@@ -52,9 +52,9 @@ bool AnsweredMost(const Role& role, const Window& window);
 // Outputs of the window for which the condition holds, as a share; 0 without outputs.
 double ShareOf(const std::vector<const Output*>& outputs, bool (*condition)(const Facts&));
 std::string Percent(double share);
-// What ended a program, in words.
+// The end of a program, in words.
 std::string EndText(int exit_code, std::chrono::milliseconds limit = kEnd);
-// Of its output.
+// The last line of its output.
 std::string LastLine(const launch::Program& program);
 
 }  // namespace sinew::conform

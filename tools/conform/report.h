@@ -1,4 +1,4 @@
-// What the checks found: a row each, as a table for people and as JSON.
+// Findings of the checks: a row each, as a table for people and as JSON.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>

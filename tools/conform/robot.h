@@ -15,7 +15,7 @@
 
 namespace sinew::conform {
 
-// What is played at a tick.
+// Contents of a played tick.
 struct Moment {
   std::uint64_t session_id = 0, tick = 0;
   double period_s = 0.0;

@@ -41,7 +41,7 @@ struct Output {
   bool early = false;      // of the played session_id, but of a tick that was not asked for yet
 };
 
-// What was played, and what came back.
+// Ticks that were played, and the outputs that came back.
 struct Window {
   std::uint64_t session_id = 0, first_tick = 0;
   int ticks = 0;
@@ -75,7 +75,7 @@ class Stage {
   // Also plays the topics of the role itself, as the owner that is there when the program starts.
   // Waits until it has settled: whoever is handed the role before that may have its strength.
   void PlayOwner();  // throws std::runtime_error: it has not settled in time
-  // Of the played owner's writer of the topic; 0 when it is not played.
+  // Strength of the played owner's writer of the topic; 0 when it is not played.
   std::uint32_t OwnerStrength(std::string_view topic) const;
   void EndOwner();
 
@@ -84,7 +84,7 @@ class Stage {
   using Damaging = std::function<node::Bytes(const node::Bytes&)>;
   void Damage(const std::string& topic, Damaging damaging);
 
-  // Of the program under test; nothing: not seen yet.
+  // Status of the program under test; nothing: not seen yet.
   std::optional<msg::ComponentStatus> status();
   std::vector<node::Endpoint> SubjectEndpoints() const;
   bool SubjectReads(std::string_view topic) const;

@@ -1,4 +1,4 @@
-// What dropping a part of a joint's model costs on held-out recordings, the model with and without
+// The cost of dropping a part of a joint's model on held-out recordings, the model with and without
 // it compared:
 //
 // - a robot of one joint: the error of the simulated position beside the recordings, by sim/world
@@ -28,7 +28,7 @@ namespace sinew::export_model {
 enum class Measure { kSimulatedPosition, kPredictedTorque };
 // "simulated_position", for programs.
 std::string_view MeasureName(Measure measure);
-// Of an error of a joint: rad or m, Nm or N.
+// Unit of an error of a joint: rad or m, Nm or N.
 std::string_view UnitOf(Measure measure, const actuator::RobotModel& robot,
                         const std::string& joint_name);
 

@@ -78,7 +78,7 @@ std::string ParametersOf(const Term& term, types::JointKind kind) {
   return text;
 }
 
-// What the model says of the body behind a joint; nothing: as in the URDF.
+// Terms of the model for the body behind a joint; nothing: as in the URDF.
 struct BodyTerms {
   std::optional<double> inertia_kg_m2;  // about the joint
   std::optional<double> gravity_Nm;     // at position 0, against +position

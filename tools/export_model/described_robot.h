@@ -19,7 +19,7 @@ namespace sinew::export_model {
 
 enum class Format { kMjcf, kUrdf, kSdf };
 
-// Where a term goes.
+// The place of a term in a format.
 enum class Place {
   kArmature,  // inertia on the joint's own acceleration
   kDamping,   // - c q'

@@ -1,4 +1,4 @@
-// What an exported model says of itself: where it comes from, what the format does not carry and
+// Remarks of an exported model on itself: where it comes from, what the format does not carry and
 // what that costs. Pure; allocates.
 #pragma once
 

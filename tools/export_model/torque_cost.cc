@@ -46,7 +46,7 @@ std::size_t TermsOfTorque(const actuator::JointModel& joint) {
                     [&joint](const actuator::Term& term) { return joint.Counts(term); }));
 }
 
-// Of each joint of the robot the indices of its dropped parts.
+// Indices of the dropped parts of each joint of the robot.
 std::vector<std::vector<std::size_t>> PartsByJoint(const std::vector<Dropped>& dropped,
                                                    const actuator::RobotModel& robot) {
   std::vector<std::vector<std::size_t>> out(robot.joints.size());

@@ -27,7 +27,7 @@ struct Column {
   std::uint32_t text_size = 0;               // bytes of the longest text
 
   std::size_t entries() const;
-  // Of an entry in row-major order: "position_rad[2]".
+  // Name of an entry in row-major order: "position_rad[2]".
   std::string EntryName(std::size_t entry) const;
 };
 

@@ -21,7 +21,7 @@
 
 namespace sinew::export_recording {
 
-// What messages of ROS 2 carry and recordings do not.
+// Names that messages of ROS 2 carry and recordings do not.
 struct RosNames {
   std::vector<std::string> joints;          // empty: joint_0, joint_1, ...
   std::array<std::string, 8> force_frames;  // in the order of foot_force; empty: foot_force_0, ...

@@ -60,7 +60,7 @@ class Tables {
   bool in_file_order_ = false;
 };
 
-// What was written of a topic.
+// Counts of what was written of a topic.
 struct Written {
   std::string topic;
   std::size_t messages = 0;

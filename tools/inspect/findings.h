@@ -1,4 +1,4 @@
-// What a check of `sinew doctor` found, and its advice. Pure.
+// A finding of a check of `sinew doctor`, and its advice. Pure.
 #pragma once
 
 #include <nlohmann/json.hpp>

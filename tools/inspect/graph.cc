@@ -13,7 +13,7 @@ namespace sinew::inspect {
 
 namespace {
 
-// What every participant writes, and what only a recorder does: they hide the rest of a picture.
+// Topics that every participant writes or only a recorder: they hide the rest of a picture.
 constexpr std::array<std::string_view, 2> kOfAll = {"component_status", "recording_progress"};
 
 bool IsShown(std::string_view topic, bool all) {

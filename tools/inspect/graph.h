@@ -1,4 +1,4 @@
-// Who speaks to whom, as a graph of participants (boxes) and topics (ellipses) in the language of
+// Graph of participants (boxes) and the topics (ellipses) between them, in the language of
 // Graphviz. Pure.
 #pragma once
 
@@ -26,13 +26,13 @@ struct Graph {
   std::vector<std::string> unwritten;  // topics that are read and that nobody writes: drawn grey
 };
 
-// Of what discovery reports. component_status and recording_progress, which all write or a recorder
-// alone, only with `all`. A participant that reads its own topic, to hear of another owner, is a
-// reader only when there is another writer. hosts: by node::ParticipantId, as far as known.
+// Graph by discovery. component_status and recording_progress, which all write or a recorder alone,
+// only with `all`. A participant that reads its own topic, to hear of another owner, is a reader
+// only when there is another writer. hosts: by node::ParticipantId, as far as known.
 Graph GraphOfDomain(const std::vector<node::Endpoint>& endpoints, bool all,
                     const std::map<std::string, std::string>& hosts = {});
 
-// Of a recording: its writers, and its participants by name and kind (component_status).
+// Contents of a recording: its writers, and its participants by name and kind (component_status).
 struct RecordedWriter {
   std::string topic;
   std::string participant;  // of the channel's metadata; empty: not recorded
@@ -40,8 +40,8 @@ struct RecordedWriter {
 struct RecordedParticipant {
   std::string name, kind;
 };
-// Who read is in no recording, and who wrote only in newer ones: what is missing is inferred from
-// the parties of idl/README.md, readers without a condition only. Recorders only with `all`.
+// Readers are in no recording, and writers only in newer ones: what is missing is inferred from the
+// parties of idl/README.md, readers without a condition only. Recorders only with `all`.
 Graph GraphOfRecording(const std::vector<RecordedWriter>& writers,
                        const std::vector<RecordedParticipant>& participants, bool all);
 

@@ -1,4 +1,4 @@
-// What a host gives to real-time participants: limits, CPU governor, disk space. Files are read
+// Resources of a host for real-time participants: limits, CPU governor, disk space. Files are read
 // below a root that the caller names.
 #pragma once
 
@@ -26,7 +26,7 @@ struct DiskSpace {
 DiskSpace ReadDiskSpace(const std::filesystem::path& path);
 // In minutes of a recording at this rate: under 10 a fault, under 120 a warning.
 Finding CheckDiskSpace(const DiskSpace& space, double recording_bytes_s);
-// Of /dev/shm: a segment of each participant, in lockstep.
+// Space of /dev/shm: a segment of each participant, in lockstep.
 Finding CheckSharedMemorySpace(const DiskSpace& space);
 
 }  // namespace sinew::inspect

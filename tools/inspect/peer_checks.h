@@ -1,4 +1,4 @@
-// What is wrong between the participants of a domain: types, QoS, clocks, losses. Pure.
+// Problems between the participants of a domain: types, QoS, clocks, losses. Pure.
 #pragma once
 
 #include <cstdint>
@@ -22,7 +22,7 @@ std::vector<Mismatch> Mismatches(const std::vector<node::Endpoint>& endpoints);
 std::vector<Finding> CheckPeers(const std::vector<node::Endpoint>& endpoints,
                                 const std::vector<std::string>& problems);
 
-// Who can command the robot: what is open to a network without a key or DDS security.
+// Access to the robot's commands: what is open to a network without a key or DDS security.
 struct Openness {
   std::vector<std::string> interfaces;  // of this process, beside loopback
   bool has_keys = false;                // so have all whom it hears

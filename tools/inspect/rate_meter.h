@@ -39,7 +39,7 @@ struct RateSummary {
   std::optional<Spread> interval_ms;  // deviation: the jitter
   std::optional<Spread> age_ms;
   std::optional<Spread> delay_ms;
-  // Of topics that have a step: at least half of the differences between ticks are equal.
+  // Step of topics that have one: at least half of the differences between ticks are equal.
   std::optional<std::uint64_t> tick_step;
   std::optional<std::uint64_t> lost;
   std::optional<double> lost_share;  // of what was sent

@@ -29,7 +29,7 @@ constexpr char kQosOfCertificate[] = "qos.xml";
 constexpr int kRecordingWindow = 64;  // ticks a logger may lag; half of what a reader keeps
 const std::vector<std::string> kRestartWords = {"never", "on_failure", "always"};
 
-// What the file alone does not say: where programs are, and of which host the processes start.
+// Data that the file alone lacks: where programs are, and of which host the processes start.
 struct Place {
   fs::path folder;
   std::string chosen_host;

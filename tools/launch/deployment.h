@@ -62,7 +62,7 @@ struct Deployment {
   bool provider_elsewhere() const;
 };
 
-// What a user changes on the command line without editing the file.
+// Changes by a user on the command line without editing the file.
 struct Overrides {
   // KEY=VALUE with KEY one of mode, duration_s, seed, domain_id, interfaces (NAME,NAME),
   // realtime_priority, grace_s or PROCESS.config, PROCESS.program, PROCESS.restart (paths relative
@@ -72,7 +72,7 @@ struct Overrides {
   std::vector<std::string> without;    // names of processes left out
   std::vector<std::string> compose;    // names of processes that run in the provider's thread
   bool compose_all = false;            // all that can
-  // Whose part is started: the name of a host, kAllHosts, or empty: by this machine's name.
+  // Host whose part is started: its name, kAllHosts, or empty: by this machine's name.
   std::string host;
   bool isolate = false;          // in a network of its own
   std::filesystem::path record;  // non-empty: the logger writes here; added if there is none

@@ -37,7 +37,7 @@ class FileList {
  public:
   explicit FileList(fs::path folder) : folder_(std::move(folder)) {}
 
-  // Whatever names it.
+  // Leaves this file out, whatever names it.
   void Leave(const fs::path& file) {
     std::error_code error;
     paths_.insert(fs::weakly_canonical(file, error));

@@ -55,7 +55,7 @@ void CloseOnExec(bp::async_pipe* pipe) {
   ::fcntl(pipe->native_sink(), F_SETFD, FD_CLOEXEC);
 }
 
-// What the child does between fork and exec; only async-signal-safe calls.
+// Work of the child between fork and exec; only async-signal-safe calls.
 struct PrepareChild {
   pid_t parent;
   template <class Executor>

@@ -1,4 +1,4 @@
-// What the end of a process means: failure or not, started again or not, and after how long.
+// Meaning of the end of a process: failure or not, started again or not, and after how long.
 //
 // Pure; statuses are those of waitpid.
 #pragma once

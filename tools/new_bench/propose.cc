@@ -93,7 +93,7 @@ std::string UnitIn(std::string_view name, Quantity quantity) {
   return "";
 }
 
-// Where the name has no unit: what the values look like.
+// Assumes a unit by the values where the name has none.
 void Assume(const Eigen::VectorXd& values, Column* column) {
   const Quantity quantity = QuantityOf(column->signal);
   const double span = values.size() > 0 ? values.maxCoeff() - values.minCoeff() : 0.0;
@@ -127,7 +127,7 @@ const Column* Find(const Guess& guess, Signal signal) {
   return at == guess.columns.end() ? nullptr : &*at;
 }
 
-// What drives, by how directly it is a torque.
+// The column of the drive, by how directly it is a torque.
 const Column* DriveOf(const Guess& guess) {
   for (const Signal signal : {Signal::kTorque, Signal::kMotorCurrent, Signal::kDriveVoltage}) {
     if (const Column* column = Find(guess, signal)) return column;
@@ -245,7 +245,7 @@ Guess GuessColumns(std::string_view text, const std::string& name) {
   Guess guess;
   guess.format.delimiter = DelimiterOf(text);
   const std::vector<std::string> header = recording::CsvHeader(text, name, {}, guess.format);
-  // What is measured comes before what was asked for.
+  // Measured columns come before those of what was asked for.
   std::vector<std::string> in_turn = header;
   std::stable_partition(in_turn.begin(), in_turn.end(),
                         [](const std::string& column) { return !IsWanted(WordsOf(column)); });

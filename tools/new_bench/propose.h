@@ -33,7 +33,7 @@ struct Guess {
 // none that may be a drive (current, torque or voltage).
 Guess GuessColumns(std::string_view text, const std::string& name);
 
-// What no file says.
+// Answers to what no file contains.
 struct Answers {
   std::string joint = "joint";
   double gear_ratio = 1.0;

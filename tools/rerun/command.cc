@@ -86,7 +86,7 @@ const char* VerdictWord(Verdict verdict) {
   return "nothing recorded";
 }
 
-// What was found of a component, one line.
+// The result of a component, one line.
 std::string LineOf(const ComponentResult& result, double period_s) {
   std::string line = result.name + ": " + VerdictWord(result.verdict);
   const auto at = [&](std::uint64_t tick) {
@@ -171,7 +171,7 @@ RerunInput::Field ParseField(const std::string& text) {
   return {text.substr(0, dot), text.substr(dot + 1)};
 }
 
-// What a picture shows when nothing was named: the first number that differs.
+// The field of a picture when none was named: the first number that differs.
 RerunInput::Field FirstField(const RerunResult& result) {
   for (const ComponentResult& component : result.components) {
     for (const FieldSummary& field : component.differences) {

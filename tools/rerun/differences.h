@@ -1,4 +1,4 @@
-// How much the outputs of a rerun differ from the recorded ones, field by field, as numbers.
+// Differences of the outputs of a rerun from the recorded ones, field by field, as numbers.
 //
 // A list that is longer than a joint array (a reservoir, a readout) is one field, "feature[]".
 // Times are ticks of the outputs. Thread: one; allocates.

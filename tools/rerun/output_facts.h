@@ -1,5 +1,5 @@
-// What a recorded output says it was computed from: ticks of inputs, ids of events
-// (idl/header.idl), and whether its writer stood by in its first second. Pure.
+// Inputs from which a recorded output was computed, by its own words: ticks of inputs, ids of
+// events (idl/header.idl), and whether its writer stood by in its first second. Pure.
 #pragma once
 
 #include <cstdint>

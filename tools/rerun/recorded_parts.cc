@@ -11,7 +11,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Where an attachment is written: its name below the folder, absolute names by their last parts.
+// Place of a written attachment: its name below the folder, absolute names by their last parts.
 fs::path PlaceOf(const std::string& name, const std::string& file) {
   fs::path place = fs::path(name).lexically_normal().relative_path();
   const bool leads_out =

@@ -1,4 +1,4 @@
-// Which components a recording can be run again with, and their configuration: from a deployment
+// Components with which a recording can be run again, and their configuration: from a deployment
 // file, or from the files that are attached to the recording.
 #pragma once
 

@@ -112,7 +112,7 @@ void RecordedTicks::ReadBeyond(std::uint64_t tick) {
     node::HeadOfMessage head;
     if (!node::PeekHead(message.data.data(), message.data.size(), &head)) continue;
     Topic& topic = *by_channel_.at(message.channel_id);
-    // What an operator said before the session began may count in it.
+    // An operator's command from before the session began may count in it.
     if (topic.is_event) topic.events.emplace(node::EventId(message.data), Copy(message.data));
     if (head.session_id != session_.id) continue;
     topic.by_tick[head.tick].push_back(Copy(message.data));

@@ -52,11 +52,11 @@ class RecordedTicks {
   // The next tick that has a joint_state; nothing at the end. Throws recording::McapError.
   std::optional<std::uint64_t> Next();
 
-  // Of that topic with that tick in its header; several where a writer sent several. nullptr: none.
+  // Messages of that topic and tick (header); several where a writer sent several. nullptr: none.
   const std::vector<node::Bytes>* Find(std::string_view topic, std::uint64_t tick) const;
   // A later tick of the topic is in the file: a gap before it is a loss.
   bool HasLater(std::string_view topic, std::uint64_t tick) const;
-  // Of the topics whose messages are events (profile `event`), by node::EventId. nullptr: none.
+  // Message of a topic whose messages are events (profile `event`), by EventId. nullptr: none.
   const node::Bytes* FindEvent(std::string_view topic, std::uint64_t id) const;
   bool Has(std::string_view topic) const { return recorded_.contains(std::string(topic)); }
 

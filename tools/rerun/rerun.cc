@@ -104,7 +104,7 @@ class Run {
     }
   }
 
-  // What was fed is that of the snapshot's cycle.
+  // The inputs that were fed are those of the snapshot's cycle.
   void Resume() {
     try {
       stage_.Resume({snapshot_->version, snapshot_->content});
@@ -116,7 +116,7 @@ class Run {
     snapshot_.reset();
   }
 
-  // What its recorded outputs of this tick say.
+  // The inputs that its recorded outputs of this tick name.
   UsedInputs UsedIn(const RecordedTicks& recorded, std::uint64_t tick) const {
     UsedInputs used;
     for (const OutputFacts& facts : facts_) {

@@ -17,9 +17,9 @@ struct Snapshot {
   node::Bytes content;
 };
 
-// Of each participant, by name, the last whole one of the session up to `last_tick`. One that lacks
-// a part counts as none. `file` is named in messages. Throws UsageError when they are of another
-// type than this build's; recording::McapError.
+// The last whole snapshot of each participant, by name, of the session up to `last_tick`. One that
+// lacks a part counts as none. `file` is named in messages. Throws UsageError when they are of
+// another type than this build's; recording::McapError.
 std::map<std::string, Snapshot> SnapshotsUpTo(const recording::McapReader& reader,
                                               const std::string& file, const Session& session,
                                               std::uint64_t last_tick);

@@ -19,7 +19,7 @@ node::Options OptionsOf(const std::string& name, node::TimeMode mode,
   return options;
 }
 
-// What the table of idl/README.md says that a kind of participant writes.
+// Topics that a kind of participant writes, by the table of idl/README.md.
 std::vector<std::string> TopicsWrittenBy(std::string_view kind) {
   std::vector<std::string> topics;
   for (const node::TopicParty& row : node::kTopicParties) {

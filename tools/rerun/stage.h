@@ -38,7 +38,7 @@ class Stage {
   bool Step();
   // The cycle with what was fed is over, and this the state after it. Throws std::invalid_argument.
   void Resume(const node::SavedState& state) { component_->Resume(state); }
-  // Of the last cycle, canonical; nullptr: it wrote nothing there.
+  // Output of the last cycle, canonical; nullptr: it wrote nothing there.
   const node::Bytes* Output(std::string_view topic) const;
 
  private:

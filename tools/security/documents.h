@@ -10,10 +10,10 @@
 
 namespace sinew::security {
 
-// What all participants of a domain demand of each other.
+// Demands of all participants of a domain on each other.
 std::string Governance(int domain_id);
 
-// What one certificate may do. Times are local times of a host, as Fast DDS reads them.
+// Rights of one certificate. Times are local times of a host, as Fast DDS reads them.
 struct Grant {
   std::string name;
   std::string subject;  // RFC 2253, as in its certificate

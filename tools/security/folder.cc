@@ -186,7 +186,7 @@ void WriteMember(const fs::path& at, const Member& member, const Settings& setti
                      types::Joined(member.roles) + "]\n");
 }
 
-// What is wrong with a folder's files, a line each.
+// Checks a folder's files; reports what is wrong with them, a line each.
 class Checker {
  public:
   Report Take() { return std::move(report_); }
@@ -263,7 +263,7 @@ class Checker {
     report_.faults.push_back(file.string() + ": " + what);
   }
 
-  // What a check throws is a fault; of a UsageError that names its file already, as it is.
+  // Reports what a check throws as a fault; a UsageError that names its file already, as it is.
   void Run(const fs::path& file, const std::function<void()>& check) {
     try {
       check();

@@ -18,7 +18,7 @@
 
 namespace sinew::security {
 
-// Who gets a certificate.
+// The owner of a certificate.
 struct Member {
   std::string name;                // also of its folder; of a process that of the deployment
   std::vector<std::string> roles;  // roles.h
@@ -34,7 +34,7 @@ struct Settings {
 inline constexpr char kSettingsSchema[] = "sinew-security/1";
 void Describe(config::Fields& f, Settings& c);
 
-// What the folder of a certificate says of it.
+// The data of a certificate in its folder.
 struct MemberFile {
   Member member;
   Settings settings;

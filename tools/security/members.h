@@ -1,4 +1,4 @@
-// Who gets a certificate when a deployment gets its keys: its processes, and the people and
+// Members that get a certificate when a deployment gets its keys: its processes, and the people and
 // programs that come to it from outside.
 #pragma once
 

@@ -60,7 +60,7 @@ void Execute(close_loop::Options options, const std::filesystem::path& out, bool
                                      : ", and a report of each joint in a folder of its name\n");
 }
 
-// How the effect is searched for.
+// Options of the search for the effect.
 void AddSearchOptions(close_loop::Options* options, CLI::App* command) {
   command
       ->add_option_function<std::string>(

@@ -10,7 +10,7 @@ class App;
 
 namespace sinew::tools {
 
-// What --accept-fault takes, here and in check-data.
+// Values of --accept-fault, here and in check-data.
 std::vector<std::string> FaultNames();
 
 void AddCloseLoopCommand(CLI::App& app);

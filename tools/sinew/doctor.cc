@@ -79,7 +79,7 @@ std::vector<Finding> CheckCanInterfaces(const inspect::CanSettings& settings) {
   }
 }
 
-// What is heard in a domain: DDS threads add, the command reads at the end.
+// Messages heard in a domain: DDS threads add, the command reads at the end.
 class Heard {
  public:
   void AddStatus(const node::RawSample& sample) {

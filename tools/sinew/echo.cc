@@ -52,7 +52,7 @@ struct EchoOptions {
   bool json = false;
 };
 
-// What is done with the messages of a topic.
+// Consumer of the messages of a topic.
 class MessageSink {
  public:
   virtual ~MessageSink() = default;

@@ -111,7 +111,7 @@ ExperimentOutcome RunOverTopics(const std::string& name, const actuator::JointMo
   done.rows = std::move(run.rows);
   done.source = "topics";
   if (!options.record.empty()) {
-    // What counts is what was recorded.
+    // The recorded rows count.
     const std::vector<types::Run> runs = recording::ReadRuns(options.record, {}, options.joint);
     if (!runs.empty()) done.rows = experiment::RowsOfRun(runs.back(), run.started_s);
     done.source = options.record.filename().string();

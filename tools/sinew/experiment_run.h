@@ -38,7 +38,7 @@ struct ExperimentOptions {
   bool in_process() const { return !topics && recording.empty(); }
 };
 
-// What a simulation reports beside the result.
+// Additions of a simulation to the result.
 struct ExperimentAddition {
   std::vector<std::string> lines;  // of the printed result
   nlohmann::ordered_json json;     // keys of result.json; null: none

@@ -1,4 +1,4 @@
-// What helps to find a command: the list in groups, `sinew help`, and what a mistyped word may have
+// Help to find a command: the list in groups, `sinew help`, and what a mistyped word may have
 // meant. Set-up only.
 #pragma once
 

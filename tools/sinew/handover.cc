@@ -138,7 +138,7 @@ class Handover {
            by(node::kValveCommand.name, source.valve_command_participant());
   }
 
-  // What no waiting changes.
+  // A reason against the handover that no waiting changes; empty: none.
   std::string NotToBe() const {
     if (!target_) return "";
     const std::string kind = target_->component_kind().to_string();

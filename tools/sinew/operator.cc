@@ -67,8 +67,8 @@ const char* StateName(msg::RobotState state) {
   return "unknown";
 }
 
-// What the provider says in its status of an arm that was sent at this time of its session; empty:
-// nothing. Its status is latched, and may still be of an earlier one.
+// The provider's refusal, in its status, of an arm that was sent at this time of its session;
+// empty: none. Its status is latched, and may still be of an earlier one.
 std::string RefusalIn(node::Reader<msg::ComponentStatus>& statuses, const msg::Header& sent) {
   std::string refusal;
   while (const auto status = statuses.TakeNext()) {
@@ -103,7 +103,7 @@ std::string Why(const Request& request, const std::optional<msg::JointState>& st
   return "the robot stays in '" + now + "'";
 }
 
-// What the sockets of state providers on this host say, which need no DDS: pressed before DDS is
+// Answers of the sockets of state providers on this host, which need no DDS: pressed before DDS is
 // started.
 struct LocalEstop {
   std::filesystem::path socket;        // the last one; empty: there is none
@@ -124,7 +124,7 @@ std::vector<Pressed> PressLocally(const OperatorOptions& options) {
   return pressed;
 }
 
-// What they answered; named: the operator asked for these sockets.
+// Their answers; named: the operator asked for these sockets.
 LocalEstop AnswerOf(std::vector<Pressed> pressed, bool named) {
   LocalEstop local;
   for (Pressed& one : pressed) {

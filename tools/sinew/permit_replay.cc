@@ -38,7 +38,7 @@ struct PermitOptions {
   bool json = false;
 };
 
-// Who writes the reference and is heard: the writer with the greatest strength. Empty: nobody yet.
+// Participant whose reference is heard: its writer has the greatest strength. Empty: nobody yet.
 std::string HeardReference(const node::Node& node) {
   std::string heard;
   std::uint32_t greatest = 0;

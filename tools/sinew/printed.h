@@ -1,4 +1,4 @@
-// What a command prints: text of others, such as names in a recording, cannot control the terminal.
+// Output of a command: text of others, such as names in a recording, cannot control the terminal.
 #pragma once
 
 #include <memory>

@@ -44,7 +44,7 @@ struct ClosedLoopTick {
   double compensation_Nm = 0.0;  // its feed-forward part
 };
 
-// Of the scored joints, means over joints and ticks.
+// Score of the scored joints, means over joints and ticks.
 struct ClosedLoopScore {
   double mse_rad2 = 0.0;  // reference against measured output
   double worst_rad = 0.0;
@@ -64,7 +64,7 @@ struct FallLimits {
 // 6), or tilted by more than the most. False for a robot on a fixed base.
 bool HasFallen(const provider::SimulatedPlant& plant, const FallLimits& limits) noexcept;
 
-// What a controller is given of a joint, as the topics would carry it.
+// Measured state of a joint for a controller, as the topics would carry it.
 control::MeasuredJointState MeasuredJoint(const provider::PlantSensors& sensors,
                                           std::size_t joint) noexcept;
 

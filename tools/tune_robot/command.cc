@@ -44,7 +44,7 @@ class Stopwatch {
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
-// What the parts of a trial refuse is the files' fault.
+// Refusals by the parts of a trial are the files' fault.
 template <class Work>
 auto WithFile(const fs::path& file, const Work& work) {
   try {

@@ -44,7 +44,7 @@ struct ErrorRange {
   double least = kDiscarded, most = 0.0;
 };
 
-// Of the trials of a stage that stand.
+// Errors of the trials of a stage that stand.
 ErrorRange ErrorsOf(const std::vector<GainTrial>& trials, int stage) {
   ErrorRange range;
   for (const GainTrial& trial : trials) {

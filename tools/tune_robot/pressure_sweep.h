@@ -1,4 +1,4 @@
-// What pneumatic elements in a robot's joints are worth: the same motion with rigid actuators and
+// The worth of pneumatic elements in a robot's joints: the same motion with rigid actuators and
 // with SEA-PEA ones, their pressure as the parameter.
 //
 // At each pressure chamber and reservoir begin at it, and the pressure managers hold it. Energies
@@ -42,7 +42,7 @@ std::vector<PressurePoint> SweepPressure(
     const PressureSweepConfig& config,
     const std::function<void(std::size_t done, std::size_t total)>& progress = {});
 
-// Of the points with a pressure on which the robot stands, the one that draws least electrical
+// The point, of those with a pressure on which the robot stands, that draws least electrical
 // energy; nullptr when there is none.
 const PressurePoint* BestPressure(const std::vector<PressurePoint>& points) noexcept;
 

@@ -34,7 +34,7 @@ void CheckTrial(const RobotTrialConfig& config, int joints) {
   }
 }
 
-// What the trial records besides the tracking: energies, peaks, heights.
+// Meter of the trial beside the tracking: energies, peaks, heights.
 class Meter {
  public:
   Meter(const RobotTrialConfig& config, const world::FloatingRobot& robot)

@@ -34,7 +34,7 @@ struct RobotTrialResult {
   // Energies from tick 0 on, as sinew-performance's; its errors are not filled.
   performance::RobotPerformanceOutput performance;
   types::JointArray<double> peak_torque_Nm{};  // of |drive torque at the joint|
-  // Of the base's origin while there is a reference; infinite when there never was one.
+  // Height of the base's origin while there is a reference; infinite when there never was one.
   double least_height_m = 0.0;
   // Measured over all ticks, of joints with a chamber; else 0.
   types::JointArray<double> least_pressure_bar{}, most_pressure_bar{};

@@ -62,7 +62,7 @@ GainTrial TrialOf(const Json& json) {
   return trial;
 }
 
-// What is another search's; empty: nothing.
+// The first difference from the wanted search; empty: none.
 std::string Difference(const Json& found, const Json& wanted) {
   for (const char* key : {"schema", "trials", "seed"}) {
     if (!found.contains(key) || found[key] != wanted[key]) {

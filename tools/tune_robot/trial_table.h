@@ -21,7 +21,7 @@
 
 namespace sinew::tune {
 
-// What a search is: another table goes on with nothing but the same.
+// Identity of a search: another table goes on with nothing but the same.
 struct TableHead {
   int trials = 0;
   std::uint64_t seed = 0;

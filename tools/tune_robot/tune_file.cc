@@ -76,7 +76,7 @@ void DescribeTrial(config::Fields& f, RobotTrialConfig* c, Inputs* inputs) {
   c->pneumatics = pneumatics::LoadPneumatics(*pneumatics).joints;
 }
 
-// What the parts say when they do not fit together, with the file's name; runs nothing.
+// Refuses parts that do not fit together, with the file's name; runs nothing.
 void CheckFits(const config::Fields& f, const RobotTrialConfig& trial) {
   if (!f.reads()) return;
   const std::size_t joints = trial.robot.model.joints.size();

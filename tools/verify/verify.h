@@ -47,7 +47,7 @@ struct TrackingSetup {
 };
 TrackingRun Track(const TrackingSetup& setup, std::uint64_t seed);
 
-// What was done and found, for people.
+// Names of what was done and found, for people.
 struct Names {
   std::string before, after;  // model files
   std::vector<std::string> added;

@@ -28,7 +28,7 @@ class OperatorDesk {
   // Hears the robot and sends what is due; waits at most 500 ms, for a socket's answer.
   void Step(std::int64_t now_ns);
 
-  // Of the last action: {"action", "pending", "done", "why"}; null: none was asked for.
+  // State of the last action: {"action", "pending", "done", "why"}; null: none was asked for.
   nlohmann::ordered_json Report() const;
   std::optional<RobotIs> robot(std::int64_t now_ns) const;
   // Cause, value, limit and remedy of the newest joint_state; empty: no fault.

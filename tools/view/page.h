@@ -13,7 +13,7 @@ namespace sinew::live {
 
 class Page {
  public:
-  // Of that folder and the ones below. Throws UsageError when there is no index.html in it.
+  // Reads that folder and the ones below. Throws UsageError when there is no index.html in it.
   explicit Page(const std::filesystem::path& folder);
 
   // "/" is index.html, in which @TOKEN@ becomes the token. Status 404: no such file.

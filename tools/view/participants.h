@@ -14,7 +14,7 @@
 
 namespace sinew::live {
 
-// What a participant says of itself (idl/status.idl), as far as it is shown.
+// A participant's status (idl/status.idl), as far as it is shown.
 struct ParticipantStatus {
   std::string name, kind, state, host, message;  // state: "active"
   bool standby = false;

@@ -63,7 +63,7 @@ bool PendingAction::Ask(Action action, std::int64_t now_ns) {
 std::optional<Action> PendingAction::Due(std::optional<RobotIs> robot, std::int64_t now_ns) {
   if (!pending_) return std::nullopt;
   const ActionRule& rule = RuleOf(report_->action);
-  // What the robot said before the first sending is no answer to it.
+  // The robot's state from before the first sending is no answer to it.
   if (sent_ && robot &&
       std::find(rule.reached.begin(), rule.reached.end(), *robot) != rule.reached.end()) {
     End(true, "");

@@ -1,5 +1,5 @@
-// What the operator has asked for on the page, until the robot has done it: when it is sent, sent
-// again, done or given up.
+// The operator's request on the page, until the robot has done it: when it is sent, sent again,
+// done or given up.
 //
 // An estop is repeated until the robot says that it has stopped, takes the place of whatever was
 // asked before, and nothing takes its place. The others are given up after kLimit_ns; arm and reset
@@ -31,7 +31,7 @@ class PendingAction {
   void End(bool done, const std::string& why);
 
   bool pending() const { return pending_; }
-  // Of the last one that was asked for; nothing: none yet.
+  // Report of the last action that was asked for; nothing: none yet.
   struct Report {
     Action action{};
     bool done = false;

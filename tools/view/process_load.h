@@ -1,4 +1,4 @@
-// How much of a core a process of this host uses, from the texts of /proc/PID/stat (proc(5)).
+// Share of a core that a process of this host uses, from the texts of /proc/PID/stat (proc(5)).
 //
 // Pure but for ReadProcessTicks. Not synchronized.
 #pragma once

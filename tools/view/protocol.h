@@ -24,7 +24,7 @@ inline constexpr std::string_view kSubprotocol = "foxglove.websocket.v1";
 inline constexpr std::string_view kSdkSubprotocol = "foxglove.sdk.v1";
 inline constexpr std::string_view kBatchSubprotocol = "sinew.batch.v1";
 
-// Of the channels, from 1 on; of a client's subscriptions, which the client numbers.
+// Numbers of the channels, from 1 on; of a client's subscriptions, which the client numbers.
 enum class ChannelNumber : std::uint32_t {};
 enum class SubscriptionNumber : std::uint32_t {};
 
@@ -61,8 +61,8 @@ struct Refused {
 using ClientMessage = std::variant<Subscribe, Unsubscribe, Refused>;
 ClientMessage ParseClientText(std::string_view text);
 
-// What stands before the payload of a message data frame: opcode 1, subscription (uint32), stamp
-// (uint64, ns), little-endian. A stamp before 1970 is sent as 0.
+// Bytes before the payload of a message data frame: opcode 1, subscription (uint32), stamp (uint64,
+// ns), little-endian. A stamp before 1970 is sent as 0.
 using DataHead = std::array<std::byte, 13>;
 DataHead MessageDataHead(SubscriptionNumber subscription, std::int64_t stamp_ns);
 

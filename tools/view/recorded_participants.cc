@@ -9,8 +9,8 @@ namespace sinew::live {
 
 namespace {
 
-// What is read before the oldest status that makes a row: two more of one a second and one that was
-// late, so that the row has a rate.
+// Time that is read before the oldest status that makes a row: two more of one a second and one
+// that was late, so that the row has a rate.
 constexpr std::int64_t kRateNeeds_ns = 3'000'000'000;
 
 std::optional<recording::CdrField> FieldIfThere(const recording::IdlType& type,

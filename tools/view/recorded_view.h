@@ -46,9 +46,9 @@ class RecordedView {
   const std::vector<RecordedSession>& sessions() const { return sessions_; }
   // One a topic and schema, however many wrote it.
   const std::vector<RecordedTopic>& topics() const { return topics_; }
-  // What does not change, as JSON: file; sessions (session, session_id, start_ns and end_ns as
-  // texts, since a number of JavaScript has 53 bits, length_s, ticks); topics (topic, schemaName,
-  // schema, messages).
+  // The data that do not change, as JSON: file; sessions (session, session_id, start_ns and end_ns
+  // as texts, since a number of JavaScript has 53 bits, length_s, ticks); topics (topic,
+  // schemaName, schema, messages).
   std::string Description() const;
 
   struct Query {
@@ -92,9 +92,9 @@ class RecordedView {
   void AddStatus(const Reader& reader, const recording::McapMessage& message);
   // Index in sessions_ and times_ of one that is numbered from 1 on.
   std::size_t IndexOf(std::size_t session) const;
-  // When the first joint_state of that stamp or a later one was received.
+  // Time at which the first joint_state of that stamp or a later one was received.
   std::int64_t LogTime(std::size_t index, std::int64_t stamp_ns) const;
-  // When those from one stamp to another were received.
+  // Times at which those from one stamp to another were received.
   std::pair<std::int64_t, std::int64_t> LogTimes(std::size_t index, const Query& query) const;
 
   std::string file_;

@@ -1,4 +1,4 @@
-// Who may have the page, and who may command through it. Pure: any thread.
+// Rights to have the page, and to command through it. Pure: any thread.
 //
 // A browser shows many sites at once, and each of them can send requests to this host. Hence:
 //   - the Host header must be an address of this server, so that a foreign name that resolves to it
@@ -32,7 +32,7 @@ class RequestRule {
   std::string WhyNotCommand(const RequestHead& request) const;
   // With the page's token, and not from another page. Browsers send no Origin with a GET.
   bool IsOfThePage(const RequestHead& request) const;
-  // What the page is given; empty for a page that is not asked for from loopback.
+  // The page's token; empty for a page that is not asked for from loopback.
   std::string TokenFor(const RequestHead& request) const;
 
  private:

@@ -1,4 +1,4 @@
-// What the server answers to each request: the page, the robot, what goes on, commands.
+// Answers of the server to each request: the page, the robot, what goes on, commands.
 //
 //   GET  /, /FILE                the page (page.h)
 //   GET  /robot.urdf, /robot/F   the URDF, and the files that it names

@@ -61,7 +61,7 @@ struct Shares {
   Places* Of(bool of_page) { return of_page ? &page : &others; }
 };
 
-// What the connections share. The thread of the server, but for what the mutex guards.
+// Data that the connections share. The thread of the server, but for what the mutex guards.
 struct Shared {
   ServerOptions options;
   std::vector<Channel> channels;

@@ -45,7 +45,7 @@ constexpr std::size_t kMostConnections = 32;
 constexpr std::size_t kMostClients = 16;
 // Replies that wait for their reader: two spans of a recording (recorded_view.h), the largest.
 constexpr std::size_t kMostReplyBytes = 128u << 20;
-// What may wait for a client: at 2.5 MB/s, all topics of the rig at 240 Hz, more than 3 s.
+// Bytes that may wait for a client: at 2.5 MB/s, all topics of the rig at 240 Hz, more than 3 s.
 constexpr std::size_t kQueueBytes = 8u << 20;
 constexpr std::size_t kLargestBatch = 1u << 20;  // of the queue, in one frame
 // A text of a client: 1000 subscriptions are 40 kB.
@@ -70,7 +70,7 @@ struct ServerOptions {
 // UsageError naming address and port when they cannot be had.
 int Listen(const std::string& address, unsigned short port);
 
-// Of a client of the WebSocket.
+// Counts of a client of the WebSocket.
 struct ClientCounts {
   std::string address;  // "127.0.0.1:40312"
   std::size_t subscriptions = 0;

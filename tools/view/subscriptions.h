@@ -1,4 +1,4 @@
-// Which channels a client has subscribed to. Not synchronized.
+// Subscriptions of a client to channels. Not synchronized.
 #pragma once
 
 #include <cstddef>
@@ -19,7 +19,7 @@ class Subscriptions {
   // each subscription copies the channel's messages into the queue again.
   std::size_t most() const { return 4 * by_channel_.size(); }
 
-  // What was wrong, a line each, for the client; what was right counts all the same.
+  // Returns what was wrong, a line each, for the client; what was right counts all the same.
   std::vector<std::string> Add(const Subscribe& request);
   std::vector<std::string> Remove(const Unsubscribe& request);
 

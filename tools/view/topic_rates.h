@@ -1,4 +1,4 @@
-// How often each topic comes, from counts that are read now and then. Pure; not synchronized.
+// Rate of each topic, from counts that are read now and then. Pure; not synchronized.
 #pragma once
 
 #include <cstddef>

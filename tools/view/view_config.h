@@ -42,7 +42,7 @@ struct ViewFile {
 };
 void Describe(config::Fields& f, ViewFile& c);
 
-// What the file adds to options that were not given. Throws UsageError.
+// Adds the file's values to options that were not given. Throws UsageError.
 ViewOptions WithConfiguration(ViewOptions options, const std::filesystem::path& file);
 
 }  // namespace sinew::live

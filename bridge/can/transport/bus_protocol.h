@@ -1,6 +1,5 @@
-// What travels between sinew-can-bus and the processes that join it: one packet of 32 bytes per
-// event (classic frames), over Unix-domain sequenced-packet sockets of one machine (host byte
-// order).
+// Packets between sinew-can-bus and the processes that join it: one of 32 bytes per event (classic
+// frames), over Unix-domain sequenced-packet sockets of one machine (host byte order).
 #pragma once
 
 #include <algorithm>

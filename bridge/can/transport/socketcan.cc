@@ -190,7 +190,7 @@ std::string SocketCan::Open() noexcept {
                    sizeof options_.send_buffer_bytes) != 0) {
     return fail(interface + ": send buffer refused: " + std::strerror(errno));
   }
-  // Where the interface carries them; a kernel that refuses leaves us with classic frames.
+  // FD frames where the interface carries them; a kernel that refuses leaves us classic frames.
   const int on = 1;
   fd_ = ::ioctl(socket_, SIOCGIFMTU, &request) == 0 && request.ifr_mtu == CANFD_MTU &&
         ::setsockopt(socket_, SOL_CAN_RAW, CAN_RAW_FD_FRAMES, &on, sizeof on) == 0;

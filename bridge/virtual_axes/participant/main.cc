@@ -20,7 +20,7 @@ namespace {
 
 using namespace sinew;
 
-// What moves behind the axes: rigs side by side, or a world.
+// The plant behind the axes: rigs side by side, or a world.
 std::unique_ptr<provider::SimulatedPlant> MakePlant(const virtual_axes::VirtualAxesFile& file,
                                                     const node::Options& options,
                                                     const std::vector<std::string>& effects) {

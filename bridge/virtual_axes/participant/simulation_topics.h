@@ -36,7 +36,7 @@ class SimulationTopics {
   SimulationTopics(const node::Options& node_options, const SimulationTopicsOptions& options,
                    provider::SimulatedPlant& plant);
 
-  // What has arrived acts, and what is due is written. Before each step of the axes.
+  // Applies arrived messages, and writes those that are due. Before each step of the axes.
   void Exchange(VirtualAxes& axes, std::int64_t now_ns);
 
   std::uint64_t write_failures() const { return write_failures_; }

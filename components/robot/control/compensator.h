@@ -65,8 +65,8 @@ class Compensator {
   // Motor torque at the shaft. Reads the actuator values of m even when they are old: the caller
   // decides.
   double Step(const Point& reference, const MeasuredJointState& m, double period_s) noexcept;
-  // What Step needs beside its input, to the bit: types/state_archive.h. Reading, throws
-  // std::invalid_argument.
+  // Exchanges the state that Step needs beside its input, to the bit: types/state_archive.h.
+  // Reading, throws std::invalid_argument.
   void Exchange(types::StateArchive& archive);
 
  private:

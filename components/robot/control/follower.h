@@ -1,4 +1,4 @@
-// What a standby controller adds to its own state so that it is the owner's.
+// The addition to a standby controller's own state that makes it the owner's.
 //
 // Both compute a command in every tick; the robot gets the owner's. The owner's command of tick k
 // comes after the own one of tick k was made, some ticks later on a loaded machine: it is compared
@@ -37,7 +37,7 @@ class Follower {
   std::optional<types::JointArray<double>> Compare(
       std::uint64_t session_id, std::uint64_t tick,
       const types::JointArray<double>& owner_motor_torque_Nm) noexcept;
-  // What Step needs beside its input, to the bit: types/state_archive.h. Reading, throws
+  // Exchanges all state but the configuration, to the bit: types/state_archive.h. Reading, throws
   // std::invalid_argument.
   void Exchange(types::StateArchive& archive);
 

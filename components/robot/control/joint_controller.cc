@@ -135,7 +135,7 @@ JointOutput JointController::Damping(const MeasuredJointState& m) const noexcept
   output.motor_torque_Nm =
       std::clamp(-config_.damping_Nm_s_rad * config_.shaft_per_output * velocity_rad_s,
                  -config_.motor_torque_limit_Nm, config_.motor_torque_limit_Nm);
-  // Of a lost joint it may be anything.
+  // The position of a lost joint may be anything.
   output.position_rad = std::isfinite(m.position_rad) ? m.position_rad : target_.position_rad;
   return output;
 }
@@ -172,7 +172,7 @@ void JointController::ChooseAim(const JointInput& input) noexcept {
     if (!input.reference_fresh) return;  // stays with what it did
     if (aim_ != Aim::kReference || input.reference_changed ||
         input.reference_replayed != replayed_) {
-      // What was followed has gone on since the last cycle.
+      // The target that was followed has gone on since the last cycle.
       const double from_rad = aim_ == Aim::kPush
                                   ? position_rad
                                   : reference::Extrapolated(target_, input.period_s).position_rad;

@@ -140,8 +140,8 @@ class JointController {
   // integral takes the difference, so that the commands go on from the other's when it is gone.
   // Without an integral, or at rest, nothing changes.
   void Follow(double difference_motor_torque_Nm) noexcept;
-  // What Step needs beside its input, to the bit: types/state_archive.h. Reading, throws
-  // std::invalid_argument.
+  // Exchanges the state that Step needs beside its input, to the bit: types/state_archive.h.
+  // Reading, throws std::invalid_argument.
   void Exchange(types::StateArchive& archive);
 
   const JointControlConfig& config() const noexcept { return config_; }

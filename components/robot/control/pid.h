@@ -41,8 +41,8 @@ class Pid {
   // The integral gets this much more: what another part of the command gives from now on, or no
   // longer, or what another controller's command had more.
   void Shift(double torque_Nm) noexcept;
-  // What Step needs beside its input, to the bit: types/state_archive.h. Reading, throws
-  // std::invalid_argument.
+  // Exchanges the state that Step needs beside its input, to the bit: types/state_archive.h.
+  // Reading, throws std::invalid_argument.
   void Exchange(types::StateArchive& archive);
 
   double integral_Nm() const noexcept { return integral_Nm_; }

@@ -19,8 +19,8 @@ class RobotController {
   RobotOutput Step(const RobotInput& input) noexcept;
   // See JointController::Follow; a value per joint.
   void Follow(std::span<const double> difference_motor_torque_Nm) noexcept;
-  // What Step needs beside its input, to the bit: types/state_archive.h. Reading, throws
-  // std::invalid_argument.
+  // Exchanges the state that Step needs beside its input, to the bit: types/state_archive.h.
+  // Reading, throws std::invalid_argument.
   void Exchange(types::StateArchive& archive);
 
   int joint_count() const noexcept { return static_cast<int>(joints_.size()); }

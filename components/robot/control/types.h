@@ -1,4 +1,4 @@
-// What control reads and writes in one tick, without messages. Units and signs as in idl/: output
+// Inputs and outputs of control in one tick, without messages. Units and signs as in idl/: output
 // angle positive up; a prismatic joint reads m for rad and N for Nm (docs/decisions/0003).
 #pragma once
 
@@ -56,7 +56,7 @@ struct MotionOrder {
   void Exchange(types::StateArchive& archive);  // types/state_archive.h
 };
 
-// How late an input is of which there is nothing.
+// Lateness of an input of which there is nothing.
 inline constexpr double kNoInput = std::numeric_limits<double>::infinity();
 
 struct RobotInput {

@@ -1,5 +1,5 @@
-// When an estop is sent, and sent again: until the robot says that it has stopped, and for as long
-// as an input is held or lost.
+// Sending and repetition of an estop: until the robot says that it has stopped, and for as long as
+// an input is held or lost.
 //
 // Pure: time and what was heard come in. Thread: one.
 #pragma once
@@ -19,7 +19,7 @@ class Assertion {
   void Confirm() { pressed_ = pressed_ && !sent_; }
   // True: send now.
   bool Due(bool stopping_input, bool robot_is_stopped, std::int64_t now_ns) {
-    // What the robot said before the first sending is no answer to it.
+    // The robot's state from before the first sending is no answer to it.
     if (robot_is_stopped && sent_) pressed_ = false;
     const bool wanted = pressed_ || (stopping_input && !robot_is_stopped);
     if (!wanted || (sent_ && now_ns - sent_ns_ < kRepeat_ns)) return false;

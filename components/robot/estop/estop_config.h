@@ -1,5 +1,5 @@
-// Where a host takes an estop without DDS, and where it is kept: paths of the socket and of the
-// latch, their defaults, and the `estop:` block of a state provider's configuration.
+// Paths of the socket by which a host takes an estop without DDS, and of the latch that keeps it:
+// their defaults, and the `estop:` block of a state provider's configuration.
 //
 // Not for loops: reads the file system and allocates.
 #pragma once
@@ -25,7 +25,7 @@ struct Config {
   std::vector<std::string> required;           // participants whose heartbeat is awaited (watch.h)
 };
 
-// Where a bridge keeps what outlives it: /var/lib/sinew, whoever runs the bridge and in whichever
+// The folder of what outlives a bridge: /var/lib/sinew, whoever runs the bridge and in whichever
 // domain; root makes it where it is absent. Throws UsageError: it is not there.
 std::filesystem::path StateFolder();
 // In it, by the state provider's name, which no other one of this host has (LatchFile::Lock).

@@ -49,7 +49,7 @@ class Gpio final : public EventDecoder {
   std::size_t event_bytes() const override { return sizeof(gpio_v2_line_event); }
   News Decode(std::span<const std::byte> bytes) override {
     const auto event = EventOf<gpio_v2_line_event>(bytes);
-    // What is no edge is a stop: the line is not understood.
+    // An event that is no edge is a stop: the line is not understood.
     const bool rising_or_falling =
         event.id == GPIO_V2_LINE_EVENT_RISING_EDGE || event.id == GPIO_V2_LINE_EVENT_FALLING_EDGE;
     return event.id == stops_ || !rising_or_falling ? News::kPressed : News::kReleased;

@@ -1,4 +1,4 @@
-// What a person presses: a joystick's button, a GPIO line, a key. How to add a device: an
+// Inputs that a person presses: a joystick's button, a GPIO line, a key. How to add a device: an
 // EventDecoder for its events and a way to open it; the rest is here.
 //
 // An input is pressed, released or lost. Lost (unplugged, read error, end of file) is an estop as a
@@ -17,7 +17,7 @@
 
 namespace sinew::estop {
 
-// Of a device whose events have one size.
+// Decoder of a device whose events have one size.
 class EventDecoder {
  public:
   virtual ~EventDecoder() = default;
@@ -52,7 +52,7 @@ class Input {
 
   // Everything that waits. True: pressed or lost by it.
   bool Read();
-  // Of a lost input. True: it is back.
+  // Opens a lost input again. True: it is back.
   bool Reopen();
 
   int descriptor() const { return descriptor_; }  // for poll(); -1: lost

@@ -35,7 +35,7 @@ bool SomebodyAnswers(const sockaddr_un& address) {
 
 config::Descriptor Spare() { return config::Descriptor(::open("/dev/null", O_RDONLY | O_CLOEXEC)); }
 
-// Where the process runs under SCHED_FIFO, above the cycle that it must be able to interrupt.
+// Raises the thread above the cycle that it must interrupt, where the process runs SCHED_FIFO.
 void RaisePriority(int priority) {
   int policy = SCHED_OTHER;
   sched_param parameters{};
@@ -259,7 +259,7 @@ void Listener::TakePressOf(Client* client, std::string_view reason) {
                  std::memory_order_relaxed);
   presses_.store(client->press, std::memory_order_release);
   callbacks_.wake();
-  // Of the first press that the cycle has not answered: more of them do not put the latch off.
+  // The first press that the cycle has not answered counts: more of them do not put the latch off.
   if (idle_.load(std::memory_order_acquire) + 1 >= client->press) {
     pressed_ns_ = client->pressed_ns;
   }

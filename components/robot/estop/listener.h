@@ -39,10 +39,10 @@
 
 namespace sinew::estop {
 
-// How long the cycle may take to send its idle frames before latch and answer go ahead without.
+// The time in which the cycle has to send its idle frames before latch and answer go ahead without.
 // Longer than any cycle that is not a fault (guard.fault_after_ms, 60 by default).
 inline constexpr std::chrono::milliseconds kIdleLimit{100};
-// How long the drives may take to report idle before the answer is that they have not: four
+// The time in which the drives have to report idle before the answer is that they have not: four
 // heartbeats of 100 ms.
 inline constexpr std::chrono::milliseconds kConfirmLimit{400};
 
@@ -61,20 +61,20 @@ class Listener {
   Listener(const Listener&) = delete;
   Listener& operator=(const Listener&) = delete;
 
-  // Of the latch file as it was found; latched: the robot starts ESTOPPED.
+  // State of the latch file as it was found; latched: the robot starts ESTOPPED.
   const LatchFile::State& at_start() const { return at_start_; }
 
   // --- the cycle's thread; none of these waits
 
   // True: pressed since the last call.
   bool TakePress() noexcept;
-  // Who pressed last; user and process.
+  // User and process of the last press.
   struct Presser {
     uid_t user = 0;
     pid_t process = 0;
   };
   Presser presser() const noexcept;
-  // Of the presses that have been taken: which of them a command covers that is made now.
+  // The presses that have been taken: a command that is made now covers them.
   std::uint64_t taken() const noexcept { return taken_; }
   // The idle frames of a command that covers these presses have been sent.
   void IdleSent(std::uint64_t covered) noexcept;
@@ -120,15 +120,15 @@ class Listener {
   std::atomic<std::uint64_t> presser_{0};  // user << 32 | process; written before presses_
   std::atomic<std::uint64_t> idle_{0};     // presses whose idle frames have been sent
   std::atomic<std::uint64_t> confirmed_{0};
-  // What the file shall say: generation * 2 + latched; and the newest that was done: the same * 2 +
-  // success.
+  // The state that the file shall have: generation * 2 + latched; and the newest that was done: the
+  // same * 2 + success.
   std::atomic<std::uint64_t> desired_{0}, done_{0};
   std::uint64_t taken_ = 0;       // cycle's thread
   std::uint64_t unlatching_ = 0;  // cycle's thread: generation of the request
   std::mutex reason_mutex_;
   std::string reason_;  // of the next latch
 
-  // Of the listener's thread.
+  // Members of the listener's thread.
   std::vector<Client> clients_;
   config::Descriptor spare_;    // given up for a press where no other is free
   std::int64_t accept_ns_ = 0;  // nothing is accepted before, since nothing could be

@@ -1,5 +1,5 @@
-// Where the state providers of a host have their estop sockets: one folder, /run/sinew, whose
-// owner alone (and root) can put a socket there. Nothing here depends on the environment.
+// The folder of the estop sockets of a host's state providers: one, /run/sinew, whose owner alone
+// (and root) can put a socket there. Nothing here depends on the environment.
 //
 //     /run/sinew           made by root's programs, and by the systemd units for their user
 //     /run/user/UID/sinew  of a user who may not write there and has logged in
@@ -23,7 +23,7 @@ struct SocketFolder {
   uid_t owner = 0;
   std::string problem;  // empty: a folder to which nobody but its owner and root can write
 
-  // Whoever opens a socket there, or answers: root, this process' user, the folder's owner.
+  // A user who may open a socket there, or answer: root, this process' user, the folder's owner.
   bool Admits(uid_t user) const;
 };
 SocketFolder FolderOf(const std::filesystem::path& socket);
@@ -36,7 +36,7 @@ std::string RefusalToListen(const SocketFolder& folder, const std::filesystem::p
 // where it is absent. Throws UsageError: there is none.
 std::filesystem::path DefaultSocket(const std::string& name, int domain_id);
 
-// Which sockets a client presses: the named ones, else all of both folders; of one domain, where
+// Sockets that a client presses: the named ones, else all of both folders; of one domain, where
 // that was chosen.
 std::vector<std::filesystem::path> SocketsToPress(const std::vector<std::filesystem::path>& named,
                                                   std::optional<int> domain_id);

@@ -21,7 +21,7 @@ namespace sinew::fall {
 inline constexpr double kGravity_m_s2 = 9.81;
 inline constexpr double kSaturatedShare = 0.999;  // derived above
 
-// What is stated of the IMU. The defaults are those of the data sheet of a consumer part, MPU-6050
+// Stated bounds of the IMU. The defaults are those of the data sheet of a consumer part, MPU-6050
 // (PS-MPU-6000A revision 3.4, sections 6.1 and 6.2), uncalibrated; they are to be replaced by those
 // of the robot's part. tilt_filter.h turns them into gains and an error bound.
 struct ImuBounds {

@@ -49,7 +49,7 @@ namespace sinew::performance {
 
 inline constexpr double kBridge_s = 0.05;  // derived above
 
-// Of the ticks since the first one: integrated + bridged + omitted + pending.
+// Counts of the ticks since the first one: integrated + bridged + omitted + pending.
 struct Coverage {
   std::uint64_t integrated = 0;  // both ends were measured
   std::uint64_t bridged = 0;     // in gaps that were bridged
@@ -109,7 +109,7 @@ class JointEnergy {
   void Step(std::uint64_t tick, double torque_Nm, double velocity_rad_s, double current_A) noexcept;
 
   Energies energies() const noexcept;
-  // Of this tick's sample: R I^2 + Kt I N w; not a number where it is lost or R is not known.
+  // Power of this tick's sample: R I^2 + Kt I N w; not a number where it is lost or R is not known.
   double electrical_W() const noexcept { return electrical_W_; }
   const Coverage& mechanical() const noexcept { return mechanical_.coverage(); }
   const Coverage& electrical() const noexcept { return electrical_.coverage(); }

@@ -1,4 +1,4 @@
-// How well a joint follows its reference and what it takes, tick by tick.
+// Performance of a joint: how well it follows its reference and what it takes, tick by tick.
 //
 //     e(t)       = q_ref(t) - q(t)                                          thesis (7.6)
 //     RMSE_W(t)  = sqrt( 1/|W| sum_{t_i in [t - W, t]} e(t_i)^2 ), W = 1.5 s           (7.7)
@@ -60,7 +60,7 @@ class JointPerformance {
 
   JointPerformanceOutput Step(std::uint64_t tick, const JointSample& sample) noexcept;
 
-  // Of the last tick: R I^2 + Kt I N w; not a number where it is not known.
+  // Power in the last tick: R I^2 + Kt I N w; not a number where it is not known.
   double electrical_W() const noexcept { return energy_.electrical_W(); }
 
  private:

@@ -1,4 +1,4 @@
-// How long after an event a signal takes until it stays within a band of its plateau.
+// The time after an event until a signal stays within a band of its plateau.
 //
 // Definition. With the event at t_e, the plateau c and the band b,
 //

@@ -19,8 +19,8 @@
 
 namespace sinew::performance {
 
-// What is summed here is at most so large, else it counts as lost: 10^150 times the ticks of any
-// run, times any period, is finite.
+// A value that is summed here is at most so large, else it counts as lost: 10^150 times the ticks
+// of any run, times any period, is finite.
 inline constexpr double kMaxMagnitude = 1e150;
 
 // Finite, and at most kMaxMagnitude.

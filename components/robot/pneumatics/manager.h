@@ -110,8 +110,8 @@ class PressureManager {
 
   // Forgets faults and filters: a new session.
   void Restart() noexcept;
-  // What Step needs beside its input, to the bit: types/state_archive.h. Reading, throws
-  // std::invalid_argument.
+  // Exchanges the state that Step needs beside its input, to the bit: types/state_archive.h.
+  // Reading, throws std::invalid_argument.
   void Exchange(types::StateArchive& archive);
 
   double target_bar() const noexcept { return target_bar_; }
@@ -131,10 +131,10 @@ class PressureManager {
   };
 
   void Watch(const ManagerInput& input) noexcept;
-  // How far a correction of a shut chamber has come.
+  // Progress of a correction of a shut chamber.
   enum class Stage { kDirect, kPrepare, kComeToRest, kEqualise };
 
-  // What compressor and vent act on.
+  // The pressure on which compressor and vent act.
   const Filtered& Moved() const noexcept;
   void Correct(double period_s) noexcept;
   void StartCorrection() noexcept;

@@ -18,12 +18,12 @@ class Relay {
   // Throws std::invalid_argument for times that are negative or not finite.
   explicit Relay(const RelayTimes& times);
 
-  // What the relay does now, after period_s in its present state.
+  // Returns the relay's state now, after period_s in its present one.
   bool Step(bool wanted, double period_s) noexcept;
   // Switches at once, whatever the times say: the safe state does not wait.
   void Force(bool on) noexcept;
-  // What Step needs beside its input, to the bit: types/state_archive.h. Reading, throws
-  // std::invalid_argument.
+  // Exchanges the state that Step needs beside its input, to the bit: types/state_archive.h.
+  // Reading, throws std::invalid_argument.
   void Exchange(types::StateArchive& archive);
 
   bool on() const noexcept { return on_; }

@@ -1,5 +1,5 @@
-// When the cycles of a loop in real time end: absolute deadlines, one period apart, and the count
-// of those that were missed.
+// Ends of the cycles of a loop in real time: absolute deadlines, one period apart, and the count of
+// those that were missed.
 //
 // Pure: time is the caller's, of any clock that only goes forward. One thread; allocates nothing.
 #pragma once

@@ -22,7 +22,7 @@ void RequireJoints(const GuardedLeg& leg, int joint_count) {
   }
 }
 
-// Of the base above the sole, along the sole's normal.
+// Height of the base above the sole, along the sole's normal.
 double HeightOverSole(const Eigen::Isometry3d& base_from_sole) noexcept {
   return -base_from_sole.linear().col(2).dot(base_from_sole.translation());
 }

@@ -78,11 +78,10 @@ class FallGuard {
 
   bool upright() const noexcept { return !fallen_ && output_.state == fall::FallState::kUpright; }
   bool fallen() const noexcept { return fallen_; }
-  // Of the last step.
+  // Output of the last step.
   const fall::FallOutput& output() const noexcept { return output_; }
   double reference_height_m() const noexcept { return reference_height_m_; }
-  // What was found, with criterion and figures: "fall: tilt 24.1 deg, limit 22.7 deg". Empty:
-  // nothing.
+  // The finding, with criterion and figures: "fall: tilt 24.1 deg, limit 22.7 deg". Empty: nothing.
   std::string_view message() const noexcept { return {message_.data(), message_size_}; }
   // Why the robot may not be armed; empty: it may. Allocates.
   std::string ArmRefusal() const;

@@ -1,4 +1,4 @@
-// Who may move the robot: the state provider's assessment of arming and of each command's age.
+// Permission to move the robot: the state provider's check of arming and of each command's age.
 //
 // Pure and deterministic: time is the provider's own tick and its own clock. A command is as old as
 // the distance between the provider's tick and the tick it echoes, and for hardware at least as old
@@ -23,11 +23,11 @@
 namespace sinew::provider {
 
 enum class Bridging { kDamp, kHold };
-// What the other joints do when one has a fault of its own. All but kContinue latch the robot's
+// Policy for the other joints when one has a fault of its own. All but kContinue latch the robot's
 // fault: no command counts until Reset and Arm. Damping and holding end by Disarm, Estop or Reset.
 enum class OtherJointsPolicy { kIdle, kDamp, kHold, kContinue };
 
-// What the joints of a robot that falls do, until Disarm, Estop or Reset.
+// Policy for the joints of a robot that falls, until Disarm, Estop or Reset.
 enum class FallPolicy { kIdle, kDamp };
 struct FallGuardConfig;  // fall_guard.h
 

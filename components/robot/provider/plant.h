@@ -1,4 +1,4 @@
-// What a state provider drives: world, surrogate, or hardware behind the CAN bridge. Simulations
+// The plant of a state provider: world, surrogate, or hardware behind the CAN bridge. Simulations
 // implement SimulatedPlant (simulated_plant.h). Called by one thread.
 #pragma once
 
@@ -14,7 +14,7 @@
 
 namespace sinew::provider {
 
-// What the guard lets through to the plant for one cycle.
+// The command that the guard lets through to the plant for one cycle.
 struct PlantCommand {
   types::JointArray<types::ControlMode> mode{};
   types::JointArray<double> motor_torque_Nm{};  // motor shaft, positive drives the output up
@@ -64,7 +64,7 @@ struct BusReport {
   std::array<std::uint64_t, kMaxBuses> frames_dropped{};
   std::array<std::uint64_t, kMaxBuses> frames_lost{};
   std::array<std::uint64_t, kMaxBuses> error_frames{};
-  // Of nodes in feet and torso, since the start: samples that never came, and losses of a node.
+  // Counts of nodes in feet and torso, since the start: samples that never came, losses of a node.
   std::array<std::uint64_t, kMaxBuses> body_samples_missed{};
   std::array<std::uint64_t, kMaxBuses> body_nodes_lost{};
   std::array<double, kMaxBuses> load_percent{};
@@ -108,8 +108,8 @@ class Plant {
   // Motors off, relays off, on their way before this returns. The provider calls it as soon as its
   // loop has ended, whatever ended it, before any part of DDS is torn down.
   virtual void ShutDown() noexcept {}
-  // When the drive whose report is the oldest reported that it is idle, CLOCK_MONOTONIC; 0: one has
-  // not. A simulation's are idle at once.
+  // Time at which the drive whose report is the oldest reported that it is idle, CLOCK_MONOTONIC;
+  // 0: one has not. A simulation's are idle at once.
   virtual std::int64_t idle_reported_ns() const { return std::numeric_limits<std::int64_t>::max(); }
   virtual const BusReport* bus_report() const { return nullptr; }
   virtual const BodySensors* body_sensors() const { return nullptr; }

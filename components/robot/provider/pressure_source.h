@@ -1,4 +1,4 @@
-// Which imposed pressures (sim_pressure) act on a simulated plant.
+// The imposed pressures (sim_pressure) that act on a simulated plant.
 //
 // As valve commands: of the running session only, not from the future, and no longer than
 // fault_after; nothing is imposed on a robot in FAULT or ESTOPPED. Pure, of one thread, no
@@ -29,7 +29,7 @@ class PressureSource {
 
   // True: it counts from here on.
   bool Take(const PressureMessage& message, std::uint64_t tick) noexcept;
-  // What acts in this tick. stopped: the robot is in FAULT or ESTOPPED.
+  // The pressures that act in this tick. stopped: the robot is in FAULT or ESTOPPED.
   ImposedPressure Current(std::uint64_t tick, bool stopped) const noexcept;
   // One more than the newest tick under the session that was answered; 0: none.
   std::uint64_t answers() const noexcept { return answers_; }

@@ -153,7 +153,7 @@ class ProviderCycle {
   // Why the fall detector lets nobody arm; empty: it does. Allocates.
   std::string FallRefusal() const { return fall_ ? fall_->ArmRefusal() : std::string(); }
 
-  // What keeps the newest joint command under the present session id from being obeyed.
+  // The fault that keeps the newest joint command under the present session id from being obeyed.
   const types::Fault& CommandFault() const { return command_fault_; }
 
   // Real time: the joint command of this tick is waited for. False: nobody may move, or the

@@ -17,7 +17,7 @@
 
 namespace sinew::provider {
 
-// What acts on each joint's link from outside.
+// Loads on each joint's link from outside.
 struct Disturbance {
   types::JointArray<double> hand_force_N{};      // at the load cell, positive presses down
   types::JointArray<double> extra_payload_kg{};  // in addition to the declared payload
@@ -29,7 +29,7 @@ struct ImposedPressure {
   types::JointArray<double> chamber_pressure_bar{};  // gauge
 };
 
-// What happens to a robot on a floating base from outside: a payload fixed to a link, a push, a
+// Disturbances of a robot on a floating base from outside: a payload fixed to a link, a push, a
 // drive that is lost, ground that becomes slippery. A name that is no link counts as the base
 // link's.
 struct BodyDisturbance {
@@ -82,7 +82,7 @@ class SimulatedPlant : public Plant {
   virtual void Disturb(const Disturbance& disturbance) = 0;
   // The same for the pressures of its chambers; joints without a chamber are left out.
   virtual void ImposePressure(const ImposedPressure& pressure) = 0;
-  // Of the last Reset or Step.
+  // The gears at the last Reset or Step.
   virtual const GearTruth& gear_truth() const = 0;
 
   // Only a robot on a floating base has these. Acts as Disturb does, but may allocate when the
@@ -90,7 +90,7 @@ class SimulatedPlant : public Plant {
   virtual void DisturbBody(const BodyDisturbance& /*disturbance*/) {}
   // The model has a joint of this name, whose drive can be lost.
   virtual bool HasDrive(const std::string& /*joint*/) const { return false; }
-  // Of the last Reset or Step; nothing for a fixed base.
+  // The body at the last Reset or Step; nothing for a fixed base.
   virtual const BodyTruth* body_truth() const { return nullptr; }
 };
 

@@ -1,4 +1,4 @@
-// How long a cycle's work takes, without its waits: from Resume to Pause, summed up to EndCycle.
+// Duration of a cycle's work, without its waits: from Resume to Pause, summed up to EndCycle.
 // Pure: time is the caller's, of any clock that only goes forward. One thread; allocates at
 // construction only.
 #pragma once

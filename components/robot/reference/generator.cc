@@ -14,8 +14,8 @@ namespace {
 // motion (1.3 rad/s) that takes 8.6 rad/s2; in half the time 17, and the rig was 8 to 15 mrad
 // behind (Matrix.Reference...).
 constexpr double kCarry_s = 0.6;
-// Of v0 T u (1 - u)^3 (1 + 3 u): the largest excursion is 0.197 v0 T (at u = 0.35), the largest
-// acceleration 3.94 v0 / T (at u = 0.24).
+// Extremes of v0 T u (1 - u)^3 (1 + 3 u): the largest excursion is 0.197 v0 T (at u = 0.35), the
+// largest acceleration 3.94 v0 / T (at u = 0.24).
 constexpr double kCarriedExcursion = 0.197;
 constexpr double kCarriedAcceleration = 3.94;
 

@@ -46,8 +46,8 @@ class Generator {
   double soft_start_s() const noexcept { return soft_start_s_; }  // as chosen by Start
   // Past the trajectory and its soft stop: at rest for good.
   bool Finished(double since_start_s) const noexcept;
-  // What Step needs beside its input, to the bit: types/state_archive.h. Reading, throws
-  // std::invalid_argument.
+  // Exchanges the state that Step needs beside its input, to the bit: types/state_archive.h.
+  // Reading, throws std::invalid_argument.
   void Exchange(types::StateArchive& archive);
 
  private:

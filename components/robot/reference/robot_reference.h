@@ -64,8 +64,8 @@ class RobotReference {
   // says start or the robot is armed anew.
   void TakeOver(const RobotReferenceOutput& other, const RobotReferenceInput& input) noexcept;
   bool running() const noexcept { return running_; }
-  // What Step needs beside its input, to the bit: types/state_archive.h. Reading, throws
-  // std::invalid_argument.
+  // Exchanges the state that Step needs beside its input, to the bit: types/state_archive.h.
+  // Reading, throws std::invalid_argument.
   void Exchange(types::StateArchive& archive);
 
  private:

@@ -21,8 +21,8 @@ class Standby {
   void Follow(std::uint64_t tick, const RobotReferenceOutput& owner) noexcept;
   // owner_heard: another one is the owner. What is published in this tick.
   RobotReferenceOutput Step(const RobotReferenceInput& input, bool owner_heard) noexcept;
-  // What Step needs beside its input, to the bit: types/state_archive.h. Reading, throws
-  // std::invalid_argument.
+  // Exchanges the state that Step needs beside its input, to the bit: types/state_archive.h.
+  // Reading, throws std::invalid_argument.
   void Exchange(types::StateArchive& archive);
 
  private:

@@ -169,8 +169,8 @@ class Move final : public Trajectory {
   explicit Move(const MoveConfig& config);
   Point At(double time_s) const noexcept override;
   double duration_s() const noexcept override { return 2.0 * ramp_s_ + cruise_s_; }
-  // What Step needs beside its input, to the bit: types/state_archive.h. Reading, throws
-  // std::invalid_argument.
+  // Exchanges the configuration and what was computed from it, to the bit: types/state_archive.h.
+  // Reading, throws std::invalid_argument.
   void Exchange(types::StateArchive& archive);
 
  private:

@@ -73,7 +73,7 @@ struct DetectorOutput {
   double alpha_rad = 0.0;
   double confidence = 0.0;
   Trouble trouble = Trouble::kNone;
-  // What the setup asks of control and pneumatics.
+  // The setup's request to control and pneumatics.
   Request request = Request::kNone;
   double request_target_rad = 0.0;
   double request_pressure_bar = 0.0;
@@ -84,13 +84,13 @@ class RegimeDetector {
   // Throws std::invalid_argument with the value that is wrong.
   explicit RegimeDetector(const DetectorConfig& config);
 
-  // Of a standby: another detector has found the contact. Of the same session_id that counts here
-  // until an own setup. Nothing where there is one already.
+  // Takes over, in a standby, the contact that another detector has found. One of the same
+  // session_id counts here until an own setup. Nothing where there is one already.
   void Adopt(std::uint64_t session_id, double offset_rad) noexcept;
 
   DetectorOutput Step(const DetectorInput& input) noexcept;
-  // What Step needs beside its input, to the bit: types/state_archive.h. Reading, throws
-  // std::invalid_argument.
+  // Exchanges the state that Step needs beside its input, to the bit: types/state_archive.h.
+  // Reading, throws std::invalid_argument.
   void Exchange(types::StateArchive& archive);
 
   bool setup_done() const noexcept { return setup_done_; }

@@ -54,8 +54,8 @@ class PlayDetector {
   void Reset() noexcept;
   // alpha_rad is finite; velocity_rad_s of the output widens sigma by the sampling skew.
   PlayDecision Step(double alpha_rad, double velocity_rad_s) noexcept;
-  // What Step needs beside its input, to the bit: types/state_archive.h. Reading, throws
-  // std::invalid_argument.
+  // Exchanges the state that Step needs beside its input, to the bit: types/state_archive.h.
+  // Reading, throws std::invalid_argument.
   void Exchange(types::StateArchive& archive);
 
   // Standard deviation of alpha at rest.

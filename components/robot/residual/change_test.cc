@@ -171,7 +171,7 @@ void ChangeTest::FinishLearning() noexcept {
   learnt_variance_ = 0.0;
   Noise(products_);
   learnt_variance_ = variance_;
-  // What was learnt is known to the long-run noise, not to that of independent blocks.
+  // The learnt beta is known to the long-run noise, not to that of independent blocks.
   normal_.setIdentity();
   normal_.noalias() += rows_.transpose() * weight_.asDiagonal() * rows_ / variance_;
   const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> solver(normal_);

@@ -27,7 +27,7 @@
 
 namespace sinew::residual {
 
-// What a change of the residual follows.
+// The cause that a change of the residual follows.
 enum class Cause {
   kNothing,
   kOffset,           // constant: current sensor, a person leaning on the link

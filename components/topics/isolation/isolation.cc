@@ -99,8 +99,8 @@ void MapUser(uid_t user, gid_t group) {
   WriteMap("/proc/self/gid_map", std::to_string(group) + " " + std::to_string(group) + " 1");
 }
 
-// What is mounted on the host later is seen inside as well, what is mounted inside is not seen
-// outside. In a changed root the root is no mount, and /dev/shm alone matters.
+// Mounts that the host makes later are seen inside as well, those made inside are not seen outside.
+// In a changed root the root is no mount, and /dev/shm alone matters.
 void OwnSharedMemory() {
   if (::mount(nullptr, "/", nullptr, MS_REC | MS_SLAVE, nullptr) != 0 &&
       ::mount(nullptr, "/dev/shm", nullptr, MS_PRIVATE, nullptr) != 0) {

@@ -29,9 +29,9 @@ struct Holder {
 // Those of this process' user that are ready, by name.
 std::vector<Holder> Holders();
 
-// Which one a program of `domain_id` enters. chosen: the name of a deployment, "none" for the
-// host's own network, or empty: the one that runs in the domain, where there is one. Throws: no
-// such deployment runs, or empty and several do.
+// The holder whose network a program of `domain_id` enters. chosen: the name of a deployment,
+// "none" for the host's own network, or empty: the one that runs in the domain, where there is one.
+// Throws: no such deployment runs, or empty and several do.
 std::optional<Holder> Chosen(const std::string& chosen, int domain_id);
 
 // Isolated deployments of the domain in which this process is not, for those who hear nobody: text

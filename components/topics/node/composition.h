@@ -50,7 +50,7 @@ class Composition {
   // Apart: whether its participants have settled (Tick::settled); at first they have.
   void SetSettled(bool settled) { settled_ = settled; }
   bool settled() const { return settled_; }
-  // Of a topic, by all readers that there are now.
+  // Counts of a topic, by all readers that there are now.
   struct Taken {
     int readers = 0;
     std::uint64_t received = 0, malformed = 0;
@@ -77,7 +77,7 @@ class Composition {
   void Write(internal::WriterImpl* writer, const Bytes& bytes);
   bool Owns(const WriterId& writer) const;
   WriterId NewId();  // apart: DDS gives none
-  // Of the participant whose writer it is; nothing: not of this composition.
+  // Name of the participant whose writer it is; nothing: not of this composition.
   std::optional<std::string> NameOf(const WriterId& writer) const;
 
   const Reach reach_;

@@ -1,11 +1,11 @@
-// How long a cycle of a participant waits for its inputs in real time, by the kind of participant:
-// a share of the nominal period, from the moment when its trigger is taken.
+// The time that a cycle of a participant waits for its inputs in real time, by the kind of
+// participant: a share of the nominal period, from the moment when its trigger is taken.
 //
 // One chain ends in a tick: the state provider publishes, reference and regime answer, esn waits
 // for them, control for all three, and the provider waits for control's command until half of the
 // period (run_provider.cc, PassRealTime) before it commands the motors. So that a participant that
-// is gone costs the robot that input and not the command, everyone gives up before those who wait
-// for him:
+// is gone costs the robot that input and not the command, each gives up before those that wait
+// for it:
 //
 //   share of the period   0.2                0.3   0.4        0.5
 //                         reference, regime  esn   control    provider

@@ -41,7 +41,7 @@ struct Rule {
   bool security = false;   // of use with DDS security only
 };
 
-// What discovery of ours and of other implementations needs. Lengths: RTPS 2.5, table 9.13.
+// Parameters that our and other implementations' discovery needs. Lengths: RTPS 2.5, table 9.13.
 constexpr std::array kRules = {
     Rule{0x0002, Form::kFixed, 8},        // participant lease
     Rule{0x0004, Form::kFixed, 8},        // time based filter
@@ -263,7 +263,7 @@ class Checker {
     }
   }
 
-  // What only says something about the submessages that follow.
+  // True for a submessage that only says something about those that follow.
   static bool IsAboutOthers(std::uint8_t id) {
     return id == kPad || id == kInfoTimestamp || id == kInfoDestination || id == kInfoSource;
   }
@@ -454,7 +454,7 @@ class Checker {
     return std::nullopt;
   }
 
-  // What was removed behind `end` is cut off; before it a copy has padding in its place.
+  // Cuts off what was removed behind `end`; before it a copy has padding in its place.
   std::span<const std::uint8_t> Edited(std::size_t end) {
     std::erase_if(removed_, [&](std::size_t at) { return at >= end; });
     if (removed_.empty() && blanked_.empty()) return datagram_.first(end);

@@ -1,8 +1,8 @@
-// What a datagram has to be before Fast DDS may read it: RTPS 2.x (OMG formal/2022-04-01, 9.4),
-// well formed to the last length. Fast DDS 2.9 ends the process on a submessage of its own
-// statistics that is not the last one, and on a sample of the writer 0 for a reader of an EXCLUSIVE
-// topic; it reads beyond lists of partitions, and makes as many representations as a number says.
-// What is checked is therefore every length and every count that it reads without a check.
+// The form of a datagram that Fast DDS may read: RTPS 2.x (OMG formal/2022-04-01, 9.4), well formed
+// to the last length. Fast DDS 2.9 ends the process on a submessage of its own statistics that is
+// not the last one, and on a sample of the writer 0 for a reader of an EXCLUSIVE topic; it reads
+// beyond lists of partitions, and makes as many representations as a number says. What is checked
+// is therefore every length and every count that it reads without a check.
 //
 //   dropped as a whole: no RTPS header, a length that leaves the datagram, a submessage that
 //     contradicts itself (sets of sequence numbers, fragments, lists of parameters), a sample of a
@@ -11,7 +11,7 @@
 //     those of no use here; parameters of discovery that no participant needs; plain submessages
 //     where DDS security protects all
 //
-// It knows no keys: who sends well-formed RTPS is accepted, as by every participant without DDS
+// It knows no keys: well-formed RTPS of any sender is accepted, as by every participant without DDS
 // security (docs/safety.md). Pure; any thread.
 #pragma once
 
@@ -35,8 +35,8 @@ class DatagramFilter {
  public:
   explicit DatagramFilter(Protection protection) : protection_(protection) {}
 
-  // What may be read of it: a part of the datagram itself, or of `copy` when something in its
-  // middle had to be taken out. Empty: nothing.
+  // The part that may be read: of the datagram itself, or of `copy` when something in its middle
+  // had to be taken out. Empty: nothing.
   std::span<const std::uint8_t> Pass(std::span<const std::uint8_t> datagram,
                                      std::vector<std::uint8_t>* copy) const;
 

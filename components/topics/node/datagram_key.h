@@ -34,7 +34,7 @@ class DatagramKey {
   void AddTag(std::span<const std::uint8_t> datagram, std::vector<std::uint8_t>* tagged) const;
   // Whether it looks tagged, by whatever key.
   static bool HasTag(std::span<const std::uint8_t> datagram);
-  // What was tagged, a part of `datagram`. Empty: no tag, or one of another key or datagram.
+  // The tagged part of `datagram`. Empty: no tag, or one of another key or datagram.
   std::span<const std::uint8_t> Verified(std::span<const std::uint8_t> datagram) const;
 
  private:

@@ -10,9 +10,9 @@
 
 namespace sinew::node::internal {
 
-// What is read of datagrams. kRequired: the profile has the property "sinew.security.protected"
-// with the value "all", as those of `sinew security` have; another governance may leave something
-// plain.
+// Protection that the profile demands of datagrams. kRequired: the profile has the property
+// "sinew.security.protected" with the value "all", as those of `sinew security` have; another
+// governance may leave something plain.
 Protection ProtectionOf(const eprosima::fastdds::dds::DomainParticipantQos& qos);
 
 // Relative names in the values file://NAME of its properties are of files beside the QoS file, as

@@ -85,7 +85,7 @@ std::vector<EndpointQos::Representation> NamedRepresentations(
   return named;
 }
 
-// Of the QoS of a writer or a reader.
+// Terms of the QoS of a writer or a reader.
 template <class Qos>
 EndpointQos TermsOf(const Qos& qos) {
   EndpointQos terms;

@@ -1,4 +1,4 @@
-// What DDS discovery reports of other participants, and the problems that follow from it.
+// Reports of DDS discovery on other participants, and the problems that follow from them.
 //
 // Threads: DDS calls the listener functions; the others may be called by any thread.
 #pragma once
@@ -29,7 +29,7 @@ class Discovery final : public dds::DomainParticipantListener {
       : signal_(signal), on_change_(std::move(on_change)) {}
 
   std::vector<Endpoint> endpoints() const;  // of other participants
-  // How often an endpoint or a participant was found, changed or lost.
+  // Number of times that an endpoint or a participant was found, changed or lost.
   std::uint64_t changes() const { return changes_.load(std::memory_order_acquire); }
   std::vector<std::string> problems() const;
   // The name of the participant of this endpoint; empty: not known, or gone.

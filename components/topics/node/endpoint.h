@@ -40,7 +40,7 @@ struct Endpoint {
   std::string guid;            // "01.0f. ... |0.0.1.3"; in front of '|' that of the participant
   std::uint32_t strength = 0;  // of writers of EXCLUSIVE topics: the greatest one is heard
   EndpointQos qos{};
-  // Where its participant is reached, but for loopback, and for addresses of this host.
+  // Addresses of its participant, but for loopback, and for addresses of this host.
   std::vector<std::string> addresses = {};
 };
 

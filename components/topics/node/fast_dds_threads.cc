@@ -35,8 +35,8 @@ bool KeepsTimers(const std::type_info& runs) noexcept {
   return std::strstr(runs.name(), "ResourceEvent") != nullptr;
 }
 
-// Of a socket that receives. RTPS 9.6.1.1: discovery has even ports (d0 = 0, d1 = 10, the gains are
-// even), data odd ones (d1 = 1, d3 = 11), and UseFreshPorts keeps that.
+// True for a receiving socket of discovery. RTPS 9.6.1.1: discovery has even ports (d0 = 0,
+// d1 = 10, the gains are even), data odd ones (d2 = 1, d3 = 11), and UseFreshPorts keeps that.
 bool IsDiscovery(const eprosima::fastrtps::rtps::Locator_t& locator) noexcept {
   return locator.port % 2 == 0;
 }
@@ -63,8 +63,8 @@ void std::thread::_M_start_thread(_State_ptr state, void (*depend)()) {
     _State_ptr runs;
     void (*take_duty)();
   };
-  // What receives from a UDP socket: std::thread(&UDPChannelResource::perform_listen_operation,
-  // this, locator).
+  // State of a thread that receives from a UDP socket:
+  // std::thread(&UDPChannelResource::perform_listen_operation, this, locator).
   using Channel = eprosima::fastdds::rtps::UDPChannelResource;
   using Locator = eprosima::fastrtps::rtps::Locator_t;
   using Receives = _State_impl<_Invoker<std::tuple<void (Channel::*)(Locator), Channel*, Locator>>>;

@@ -107,7 +107,7 @@ class FilteredTransport final : public transport::ChainingTransport {
   }
 
  private:
-  // What of it may be read. Empty: nothing, and why.
+  // The part of it that may be read. Empty: nothing, and why.
   std::span<const std::uint8_t> Admitted(std::span<const std::uint8_t> datagram,
                                          const rtps::Locator_t& sender, const char** why) const {
     if (!admission_.key) {

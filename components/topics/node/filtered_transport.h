@@ -16,7 +16,7 @@
 
 namespace sinew::node::internal {
 
-// Whose datagrams are read.
+// The senders whose datagrams are read.
 struct Admission {
   Protection protection = Protection::kNone;
   std::optional<DatagramKey> key;      // none: everybody's

@@ -1,5 +1,5 @@
-// What a thread beside the loop needs so that the loop never waits for it: a mutex with priority
-// inheritance, a wake-up that never blocks who gives it, and the way out of SCHED_FIFO.
+// Tools for a thread beside the loop, so that the loop never waits for it: a mutex with priority
+// inheritance, a wake-up that never blocks its giver, and the way out of SCHED_FIFO.
 #pragma once
 
 #include <pthread.h>
@@ -10,8 +10,8 @@
 
 namespace sinew::node::internal {
 
-// Whoever holds it runs at the priority of the highest thread that waits for it, so that a helper
-// of SCHED_OTHER that is preempted inside delays the loop by its critical section and no longer.
+// A mutex whose holder runs at the priority of the highest thread that waits for it: a helper of
+// SCHED_OTHER that is preempted inside delays the loop by its critical section and no longer.
 class PriorityMutex {
  public:
   PriorityMutex();

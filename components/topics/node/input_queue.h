@@ -28,7 +28,7 @@ class InputQueue {
   // Accepts the sample of tick - delay: in lockstep that very one, in real time (or when it is not
   // required) the newest.
   void Accept(std::uint64_t tick, bool lockstep, const Decode& decode);
-  // Of a trigger: accepts the oldest sample. False: it was malformed, and is dropped.
+  // Accepts the oldest sample of a trigger. False: it was malformed, and is dropped.
   bool AcceptFront(const Decode& decode);
   void DropFront() { samples_.pop_front(); }
   void DropAllButNewest();

@@ -20,7 +20,7 @@ namespace {
 // Longer than any burst at start or at an end; with lines of 200 bytes a fifth of a megabyte.
 constexpr std::size_t kLogLines = 1024;
 
-// What the writing thread needs. It is never destroyed: the thread may stand in a write() to a
+// Data of the writing thread. They are never destroyed: the thread may stand in a write() to a
 // stream that nobody reads when the process ends.
 struct LogState {
   spdlog::sinks::stderr_color_sink_st stream;  // of the writing thread

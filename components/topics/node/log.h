@@ -8,8 +8,8 @@
 
 namespace sinew::node::internal {
 
-// What stands before the text of each line of spdlog's default logger. The text is one line without
-// control characters (types::Printable).
+// Sets what stands before the text of each line of spdlog's default logger. The text is one line
+// without control characters (types::Printable).
 void SetLogPattern(const std::string& before_text);
 
 // Once a process. Makes the default logger of spdlog.

@@ -100,8 +100,8 @@ struct PolicyRule {
   bool (*fits)(const EndpointQos& offered, const EndpointQos& requested);
 };
 
-// Of the table of QoS policies in OMG DDS 1.4, 2.2.3: those of which a writer offers and a reader
-// requests something ("RxO"); the last one is of XTypes 1.3.
+// Rules of the table of QoS policies in OMG DDS 1.4, 2.2.3: those of which a writer offers and a
+// reader requests something ("RxO"); the last one is of XTypes 1.3.
 constexpr PolicyRule kPolicyRules[] = {
     {"reliability", "", true, ReliabilityText,
      [](const EndpointQos& offered, const EndpointQos& requested) {

@@ -56,7 +56,7 @@ class Reader {
   std::uint64_t dropped() const;   // samples dropped unread because the queue was full
   // Samples that were no such message or had no meaning (codec.h); they are never handed on.
   std::uint64_t malformed() const;
-  // Whose sample was taken last.
+  // The writer of the sample that was taken last.
   const WriterId& writer() const { return writer_; }
 
  private:
@@ -101,7 +101,7 @@ class RawWriter {
   // True once every matched reliable reader has everything (best-effort readers are not waited
   // for).
   bool WaitAcknowledged(std::chrono::milliseconds timeout) const;
-  // Of an EXCLUSIVE topic, in real time: now; it changes by the rules of ownership.h.
+  // Strength on an EXCLUSIVE topic, in real time: now; it changes by the rules of ownership.h.
   std::uint32_t strength() const;
 
  private:
@@ -124,7 +124,7 @@ class Node {
 
   template <class Message>
   Reader<Message> MakeReader(const Topic<Message>& topic);
-  // Of several writers of an EXCLUSIVE topic one is heard, by the rules of ownership.h.
+  // One of several writers of an EXCLUSIVE topic is heard, by the rules of ownership.h.
   template <class Message>
   Writer<Message> MakeWriter(const Topic<Message>& topic);
 
@@ -138,8 +138,8 @@ class Node {
   // Samples that DDS reports as lost to the raw readers of a topic (SAMPLE_LOST).
   std::uint64_t RawLost(const std::string& topic) const;
 
-  // Who writes: name and GUID of an endpoint of this participant or of a discovered one; nothing
-  // for one that has gone.
+  // Name and GUID of a writer: an endpoint of this participant or a discovered one; nothing for one
+  // that has gone.
   struct WriterName {
     std::string participant, guid;
     bool own = false;

@@ -43,7 +43,7 @@ void LogStart(const Options& options) {
   if (rule.priority == 0) spdlog::info("--realtime: SCHED_OTHER ({})", rule.reason);
 }
 
-// How long an end waits for whoever reads the log.
+// The longest wait at an end for the reader of the log.
 constexpr std::chrono::milliseconds kLogAtEnd{500};
 
 }  // namespace

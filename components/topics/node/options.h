@@ -70,9 +70,9 @@ void AddDomainOptions(CLI::App& app, Options* options);
 // Into the network of the chosen deployment, where one is isolated. Before any thread exists.
 void EnterDeployment(const Options& options);
 
-// What a participant adds to the common options; called before parsing.
+// Adds a participant's own options to the common ones; called before parsing.
 using AddOptions = std::function<void(CLI::App&)>;
-// What it opens on the host's own network, after parsing.
+// Opens what a participant needs of the host's own network, after parsing.
 using OnHost = std::function<void(const Options&)>;
 using Body = std::function<void(const Options&, StopFlag&)>;
 

@@ -1,5 +1,5 @@
-// What another participant publishes on an EXCLUSIVE topic that this one writes too, while the
-// other is heard: what a standby follows, sample by sample, so that its state is the owner's.
+// Samples of another participant on an EXCLUSIVE topic that this one writes too, while the other is
+// heard: a standby follows them, one by one, so that its state is the owner's.
 //
 // Real time only: in lockstep no topic has owners, and there is never anything. Thread: the node's.
 #pragma once
@@ -58,12 +58,12 @@ class OtherOwner {
     return stood_by_;
   }
 
-  // What is computed from a replayed owner says so.
+  // Marks what is computed from a replayed owner as that.
   void MarkOrigin(Tick* tick) const {
     if (Heard(*tick) && replayed_) tick->origin = msg::ORIGIN_REPLAY;
   }
 
-  // Of a participant that has no state to follow with: takes all and reports.
+  // Takes all and reports, for a participant that has no state to follow with.
   void Watch(const Tick& tick) {
     while (TakeNext(tick)) {
     }
@@ -80,7 +80,7 @@ class OtherOwner {
   std::uint64_t session_id_ = 0;
   std::optional<std::uint64_t> heard_tick_;
   bool replayed_ = false;
-  // Of the last StandsBy: its tick and answer, and the first tick after a silence of this one.
+  // Tick and answer of the last StandsBy, and the first tick after a silence of this one.
   std::optional<Tick> last_;
   bool stood_by_ = false;
   std::optional<std::uint64_t> resumed_tick_;

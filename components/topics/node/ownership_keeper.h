@@ -46,7 +46,7 @@ class OwnershipKeeper {
   bool StepBelow(std::chrono::nanoseconds silence);
   // All writers of this participant are above all others, as far as discovery knows.
   bool Leads();
-  // Of the running cycle: a handover counts for its session only, on live hardware from a live
+  // Sets the running cycle: a handover counts for its session only, on live hardware from a live
   // operator only, and never from a recording.
   // stamp_ns: by the provider's clock.
   void SetCycle(std::uint64_t session_id, int origin, std::int64_t stamp_ns);

@@ -32,9 +32,9 @@ struct ReaderImpl final : public dds::DataReaderListener {
   std::uint64_t received() const { return received_; }
   std::uint64_t lost() const { return lost_; }
   std::uint64_t dropped() const { return queue_.dropped(); }
-  // Of a sample taken from here that could not be decoded: counted, logged, forgotten.
+  // Counts, logs and forgets a sample taken from here that could not be decoded.
   void CountMalformed();
-  // Of an EXCLUSIVE topic in real time: its owner may be silent for Deadline(period).
+  // Period of an EXCLUSIVE topic in real time: its owner may be silent for Deadline(period).
   void SetPeriod(std::chrono::nanoseconds period);
   std::uint64_t malformed() const { return malformed_; }
   // A sample of a composed writer (composition.h).
@@ -66,7 +66,7 @@ struct ReaderImpl final : public dds::DataReaderListener {
   std::atomic<std::uint64_t> malformed_{0};
   Sample scratch_;   // DDS thread only
   Sample composed_;  // of the composition's thread only
-  // Of a topic with owners: what DDS brought last came from the composed writer.
+  // The last sample of DDS, of a topic with owners, came from the composed writer.
   std::atomic<bool> composed_heard_{true};
 };
 

@@ -17,9 +17,9 @@
 
 namespace sinew::node {
 
-// Who may be delayed by whom: along the chain of a tick the one that is awaited at the end comes
-// first, since it bounds how late a command is whatever the others do. Below the threads of the
-// kernel for interrupts (50), and below the units' LimitRTPRIO.
+// Order in which participants may delay each other: along the chain of a tick the one that is
+// awaited at the end comes first, since it bounds how late a command is whatever the others do.
+// Below the threads of the kernel for interrupts (50), and below the units' LimitRTPRIO.
 const std::vector<PriorityRule>& PriorityRules() {
   static const std::vector<PriorityRule> kRules = {
       {"estop", 48, "stops the robot whatever else runs"},
@@ -76,7 +76,7 @@ void TouchStack() {
           "run as root or raise rtprio in /etc/security/limits.conf");
 }
 
-// What BeginRealtime will give; written before g_to_begin is.
+// Rule and cores that BeginRealtime will give; written before g_to_begin is.
 struct Prepared {
   const PriorityRule* rule = nullptr;
   std::vector<int> cpus;

@@ -22,10 +22,10 @@ struct PriorityRule {
 const std::vector<PriorityRule>& PriorityRules();
 const PriorityRule& PriorityOf(std::string_view component);
 
-// Of every thread but the first. mlockall() locks the whole stack of a thread, 8 MB by default, and
-// a participant has some ten threads. What they call is DDS and our own cycle: no recursion, no
-// large arrays; measured under 40 kB. A stack that is too small is a crash at its guard page, so
-// there is much to spare.
+// Stack of every thread but the first. mlockall() locks the whole stack of a thread, 8 MB by
+// default, and a participant has some ten threads. What they call is DDS and our own cycle: no
+// recursion, no large arrays; measured under 40 kB. A stack that is too small is a crash at its
+// guard page, so there is much to spare.
 inline constexpr std::size_t kThreadStackBytes = 512 * 1024;
 
 // Start-up is work of SCHED_OTHER: reading files, memory and discovery would spend the machine's

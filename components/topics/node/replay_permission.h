@@ -1,9 +1,8 @@
-// Which recording may move live hardware: an operator's permission for the replayed reference of
-// one participant, in one session.
+// An operator's permission for a recording to move live hardware: for the replayed reference of one
+// participant, in one session.
 //
-//     given by   PERMIT_REPLAY of a live operator in the running session (command_rule.h), while
-//     the
-//                robot is armed; it names the participant that writes the recording
+//     given by   PERMIT_REPLAY of a live operator in the running session (command_rule.h),
+//                while the robot is armed; it names the participant that writes the recording
 //     holds for  the first writer of that name that is heard afterwards, and for no other one
 //     ends with  disarm, estop, a fault or a new session; when anybody else's reference is heard
 //

@@ -24,10 +24,10 @@ struct Sample {
   WriterId writer{};
 };
 
-// How many samples a reader may leave unread, by what is lost with them. In real time states and
-// commands are worth nothing once there are newer ones; events and latched samples are kept unless
-// the reader has stopped reading. In lockstep nothing may be lost: a reader that the provider does
-// not await may be minutes behind, and beyond the limit it has failed, not fallen behind.
+// Limit of a reader's unread samples, by what is lost with them. In real time states and commands
+// are worth nothing once there are newer ones; events and latched samples are kept unless the
+// reader has stopped reading. In lockstep nothing may be lost: a reader that the provider does not
+// await may be minutes behind, and beyond the limit it has failed, not fallen behind.
 constexpr std::size_t QueueLimit(Profile profile, TimeMode mode) {
   if (mode == TimeMode::kLockstep) return 65536;
   return profile == Profile::kState || IsExclusive(profile) ? 8 : 256;

@@ -23,10 +23,10 @@ constexpr std::size_t kPartBytes = 32768;  // bound of ComponentSnapshot.content
 constexpr std::size_t kPartsInFlight = 8;
 // A reader that does not take its parts within this does not get the rest.
 constexpr std::chrono::milliseconds kTaken(2000);
-// How often new readers are looked for, in ticks.
+// Interval at which new readers are looked for, in ticks.
 constexpr std::uint64_t kLookEvery = 64;
 constexpr std::size_t kMostRequests = 64;  // that wait for their tick
-// Whoever asks all the time does not make every cycle copy a state (1.2 MB of rls with 549
+// A reader that asks all the time does not make every cycle copy a state (1.2 MB of rls with 549
 // features).
 constexpr std::uint64_t kLeastTicksBetween = 64;
 

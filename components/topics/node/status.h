@@ -41,7 +41,7 @@ class Status {
   // The loop goes round; to be called from every wait.
   void Beat() noexcept;
 
-  // Of all readers of the node.
+  // Counts of all readers of the node.
   void CountMalformed() noexcept { malformed_.fetch_add(1, std::memory_order_relaxed); }
   void CountDropped() noexcept { dropped_.fetch_add(1, std::memory_order_relaxed); }
 

@@ -78,12 +78,12 @@ class InputBase {
   bool replay_permitted() const {
     return replay && replay->holds() && queue.accepted() && origin() == msg::ORIGIN_REPLAY;
   }
-  // What wakes who waits for this input (wake_signal.h).
+  // The source that wakes a thread that waits for this input (wake_signal.h).
   const void* source() const { return reader_.get(); }
   // Nothing for the cycle of this tick was collected.
   bool Missing(std::uint64_t tick) const { return queue.rules().required && !queue.Reached(tick); }
   bool HasMore() const { return !reader_->empty(); }  // to collect
-  // How long ago the newest sample that was taken had come.
+  // The time since the newest sample that was taken had come.
   std::chrono::nanoseconds Age() const {
     return std::chrono::nanoseconds(types::EpochNow_ns() - newest_came_ns_);
   }
@@ -93,7 +93,7 @@ class InputBase {
   // False: malformed, and the last value stays.
   virtual bool DecodeValue(const Bytes& bytes) = 0;
   virtual msg::Origin origin() const = 0;  // of the value
-  // Of a trigger: what its message says of the cycle.
+  // Describes the cycle by the message of a trigger.
   virtual void Describe(Tick* tick) const = 0;
   virtual bool robot_may_move() const = 0;  // of a trigger
 
@@ -131,8 +131,8 @@ std::chrono::nanoseconds BoundedPeriod(double nominal_period_s) {
   return std::chrono::nanoseconds(static_cast<std::int64_t>(1e9 * period_s));
 }
 
-// Of an owner, after which readers hear the next one, in whole periods: a tick is any number that a
-// message claims. Without a period: 0.
+// Silence of an owner after which readers hear the next one, in whole periods: a tick is any number
+// that a message claims. Without a period: 0.
 std::uint64_t PeriodsOfSilence(double nominal_period_s) {
   const std::chrono::nanoseconds period = BoundedPeriod(nominal_period_s);
   if (period.count() == 0) return 0;
@@ -270,7 +270,7 @@ struct TickLoop::Impl {
   std::uint64_t session_id = 0;
   types::RunningSession running;  // as the trigger's last message says
   std::optional<std::uint64_t> last_tick;
-  // Of the last two cycles in the session, which not every accepted trigger is.
+  // Ticks of the last two cycles in the session, which not every accepted trigger is.
   std::optional<std::uint64_t> last_cycle_tick{}, previous_cycle{};
   bool ended = false;
   std::vector<std::uint64_t> events{};   // that count in this cycle
@@ -407,7 +407,7 @@ struct TickLoop::Impl {
     }
   }
 
-  // Of the cycle whose trigger was taken: counted from when that came, which may be a while ago.
+  // The cut-off of the cycle whose trigger was taken: counted from its arrival, maybe a while ago.
   Clock::time_point GiveUpAt(double nominal_period_s) {
     const std::chrono::nanoseconds cycle = BoundedPeriod(nominal_period_s);
     const auto age = std::clamp(inputs.front()->Age(), std::chrono::nanoseconds(0), cycle);
@@ -432,11 +432,11 @@ struct TickLoop::Impl {
     return Clock::now() - last_cycle - passed > internal::Deadline(nominal);
   }
 
-  // Who was silent and has been replaced is quiet for as long as the others may need to learn that
-  // it is below, as one that joins, and takes no trigger from before: what it would say first is of
-  // before it was stopped, and a deadline is too short since discovery is below the cycles. It is
-  // the owner again where those were silent as well (a core that stood still) and went below it, or
-  // by a handover.
+  // A participant that was silent and has been replaced is quiet for as long as the others may need
+  // to learn that it is below, as one that joins, and takes no trigger from before: what it would
+  // say first is of before it was stopped, and a deadline is too short since discovery is below the
+  // cycles. It is the owner again where those were silent as well (a core that stood still) and
+  // went below it, or by a handover.
   bool MustBeQuiet(const Tick& tick) {
     const auto now = Clock::now();
     if (WasSilent(tick) && node.impl_->ownership.StepBelow(now - last_cycle)) {
@@ -567,7 +567,7 @@ std::optional<Tick> TickLoop::Next() {
   const double period_s = self.period.Next(tick.session_id, tick.tick, tick.stamp_ns,
                                            tick.origin == msg::ORIGIN_SIM, tick.nominal_period_s);
   tick.period_s = self.lockstep ? tick.nominal_period_s : period_s;
-  // What is computed from a recording is no live command, whatever triggered it.
+  // A command that is computed from a recording is no live one, whatever triggered it.
   if (replayed) tick.origin = msg::ORIGIN_REPLAY;
 
   if (tick.nominal_period_s > 0.0) self.node.SetPeriod(BoundedPeriod(tick.nominal_period_s));

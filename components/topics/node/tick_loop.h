@@ -38,7 +38,7 @@
 
 namespace sinew::node {
 
-// What an output's *_tick says when there was no input (idl/header.idl).
+// Value of an output's *_tick when there was no input (idl/header.idl).
 inline constexpr std::uint64_t kNoTick = std::numeric_limits<std::uint64_t>::max();
 
 struct Tick {

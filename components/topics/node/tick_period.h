@@ -24,8 +24,8 @@ class TickPeriod {
   static constexpr double kShortestPeriods = 0.5;
   static constexpr double kLongestPeriods = 4.0;  // 3 missed periods and the one after them
 
-  // Of the next cycle, s; a nominal period that is not positive is returned as it is. `simulated`:
-  // the origin of the trigger.
+  // Period of the next cycle, s; a nominal period that is not positive is returned as it is.
+  // `simulated`: the origin of the trigger.
   double Next(std::uint64_t session_id, std::uint64_t tick, std::int64_t stamp_ns, bool simulated,
               double nominal_s) noexcept;
 

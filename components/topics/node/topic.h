@@ -5,7 +5,7 @@
 
 namespace sinew::node {
 
-// How a topic travels in real time; in lockstep every topic but the latched ones uses `lockstep`.
+// QoS of a topic in real time; in lockstep every topic but the latched ones uses `lockstep`.
 enum class Profile {
   kState,     // BEST_EFFORT, KEEP_LAST 1: the newest sample is the only one that matters
   kControl,   // as kState, EXCLUSIVE ownership with a deadline: one writer at a time (ownership.h)

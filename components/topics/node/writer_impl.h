@@ -28,8 +28,8 @@ struct WriterImpl final : public dds::DataWriterListener {
   bool WaitAcknowledged(std::chrono::milliseconds timeout) const;
   int matched() const;
 
-  // Of EXCLUSIVE topics. SetStrength goes to all readers; it may be called by any one thread at a
-  // time, and does nothing when the strength is the same.
+  // Strength on EXCLUSIVE topics. SetStrength goes to all readers; it may be called by any one
+  // thread at a time, and does nothing when the strength is the same.
   Strength strength() const noexcept { return strength_.load(std::memory_order_relaxed); }
   void SetStrength(Strength strength);
   const std::string& guid() const noexcept { return guid_; }

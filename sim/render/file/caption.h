@@ -9,7 +9,7 @@
 
 namespace sinew::render {
 
-// Where Debian's fonts-dejavu-core puts its font of even widths.
+// Path at which Debian's fonts-dejavu-core puts its font of even widths.
 inline constexpr const char* kCaptionFont = "/usr/share/fonts/truetype/dejavu/DejaVuSansMono.ttf";
 
 // Thread: one.

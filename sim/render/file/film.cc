@@ -14,7 +14,7 @@ namespace sinew::render {
 
 namespace {
 
-// Of the picture's height.
+// Shares of the picture's height.
 constexpr double kLetterHeight = 0.033, kLetterMargin = 0.035;
 
 FilmOptions Checked(const FilmOptions& options) {

@@ -37,7 +37,7 @@ class TopicReader {
 
   void AddField(const std::string& path) { fields_.emplace_back(type_, path); }
 
-  // Of one field, whatever the session.
+  // Value of one field, whatever the session.
   std::int64_t First(const std::string& path, std::span<const std::byte> payload) const {
     return recording::CdrField(type_, path).AsInt(payload);
   }

@@ -86,7 +86,7 @@ struct LiveFilm::Impl {
     while (taken.load() == offered.load()) {
       if (cancelled.load()) return false;
       if (finished.load()) {
-        // What was offered before the end is seen after it.
+        // Poses that were offered before the end are seen after it.
         if (taken.load() == offered.load()) return false;
         continue;
       }

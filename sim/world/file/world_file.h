@@ -25,7 +25,7 @@ namespace sinew::world {
 
 inline constexpr char kSchema[] = "sinew-world/1";
 
-// What FloatingRobotConfig has beside WorldConfig.
+// Members of FloatingRobotConfig that WorldConfig lacks.
 struct FloatingBase {
   std::vector<ContactFrame> contacts;
   GroundConfig ground;

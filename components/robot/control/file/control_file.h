@@ -19,7 +19,7 @@ inline constexpr char kSchema[] = "sinew-control/1";
 inline constexpr double kTrackingErrorLimit_rad = 0.6;
 inline constexpr double kTrackingErrorLimit_m = 0.02;
 
-// How motion requests reach the controller.
+// Ways of motion requests to the controller.
 enum class MotionRequests {
   kOff,        // not read
   kOptional,   // read when they come; they end when not repeated (real time only)

@@ -6,7 +6,7 @@
 namespace sinew::control {
 namespace {
 
-// Of the fields of Exchange and of all that they contain.
+// Version of the fields of Exchange and of all that they contain.
 constexpr std::uint32_t kControlStateVersion = 1;
 
 class ControlComponent final : public node::TickComponent {

@@ -140,7 +140,7 @@ void ControlInputs::FollowOwner(const node::Tick& tick, RobotController* control
                                               command->header().tick(), command->motor_torque_Nm());
     if (difference) controller->Follow(*difference);
   }
-  // Who has just begun may not know yet that another one is obeyed.
+  // A controller that has just begun may not know yet that another one is obeyed.
   stands_by_ = owner_.StandsBy(tick) || !tick.settled;
 }
 

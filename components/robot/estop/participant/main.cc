@@ -77,7 +77,7 @@ class InputThread {
     const std::lock_guard lock(mutex_);
     return std::exchange(press_, std::nullopt);
   }
-  // Of an input that stops now: what it is. Empty: none.
+  // Text of an input that stops now. Empty: none.
   std::string Stopping() {
     const std::lock_guard lock(mutex_);
     return stopping_;

@@ -20,7 +20,7 @@
 
 namespace sinew::performance {
 
-// Of one tick; a null pointer: it did not come.
+// Messages of one tick; a null pointer: it did not come.
 struct TickMessages {
   const msg::JointState* state = nullptr;  // always there
   const msg::Reference* reference = nullptr;

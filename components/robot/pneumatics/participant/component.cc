@@ -6,7 +6,7 @@
 namespace sinew::pneumatics {
 namespace {
 
-// Of the fields of Exchange and of all that they contain.
+// Version of the fields of Exchange and of all that they contain.
 constexpr std::uint32_t kPneumaticsStateVersion = 1;
 
 class PneumaticsComponent final : public node::TickComponent {

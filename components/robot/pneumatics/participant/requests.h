@@ -1,5 +1,5 @@
-// What is asked of the pressure managers of a robot: standing targets, requests, motion requests,
-// and whether pressure may be held at all.
+// Demands on the pressure managers of a robot: standing targets, requests, motion requests, and
+// whether pressure may be held at all.
 #pragma once
 
 #include <sinew_idl/joint.h>

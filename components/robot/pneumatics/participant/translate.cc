@@ -44,7 +44,7 @@ void RobotPneumatics::Step(const node::Tick& tick) {
     input.period_s = tick.period_s;
     input.active = active;
     input.reset = requests_.reset();
-    // Who has just begun may not know yet that another one is obeyed.
+    // A manager that has just begun may not know yet that another one is obeyed.
     input.standby = requests_.standby() || !tick.settled;
     if (actuator_.fresh() && j < actuator_.value().joint_count()) {
       const msg::ActuatorState& inside = actuator_.value();

@@ -27,7 +27,7 @@ class RobotPneumatics {
   void Step(const node::Tick& tick);
   msg::ValveCommand Command() const;
   msg::PneumaticState State(const node::Tick& tick) const;
-  // What is wrong with which joint, one line; empty: nothing.
+  // The first trouble and its joint, one line; empty: none.
   std::string Trouble() const;
   void Exchange(types::StateArchive& archive);  // types/state_archive.h
 

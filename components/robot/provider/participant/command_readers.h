@@ -27,20 +27,20 @@ namespace sinew::provider {
 
 class CommandReaders {
  public:
-  // Of every command that has a meaning, with the operator's reason. Why it was refused, for the
-  // log; empty: as `result` says.
+  // Called with every command that has a meaning, with the operator's reason. Returns why it was
+  // refused, for the log; empty: as `result` says.
   using OnOperator = std::function<std::string(OperatorResult result, types::OperatorAction action,
                                                std::string_view reason)>;
   // Cycle and plant must outlive it. Throws DdsError.
   CommandReaders(node::Node& node, ProviderCycle& cycle, Plant& plant, OnOperator on_operator);
 
-  // What has arrived since the last call. Operator commands are logged, ten a second at most; a
-  // reset clears the plant's faults.
+  // Takes what has arrived since the last call. Operator commands are logged, ten a second at most;
+  // a reset clears the plant's faults.
   void TakeOperatorCommands(std::uint64_t tick);
   // The same, and then joint and valve commands and imposed pressures.
   void TakeAll(std::uint64_t tick);
 
-  // Whose commands those are, when that has changed.
+  // Publishes the writers of those commands, when they have changed.
   void PublishSource(const types::MessageHeader& header) { source_.Publish(header); }
 
   // Block until a sample arrives or the timeout is over.
@@ -66,8 +66,8 @@ class CommandReaders {
 
  private:
   void TakeDisturbances();
-  // Which joint the node of joint_command's newest writer names otherwise than the plant, first of
-  // all; a joint without a name there or here is not compared.
+  // The joint that the node of joint_command's newest writer names otherwise than the plant, first
+  // of all; a joint without a name there or here is not compared.
   std::optional<int> OtherJoint();
   void LogOperator(const msg::OperatorCommand& command, const std::string& refusal);
 

@@ -19,7 +19,7 @@ class EstopDesk {
   EstopDesk(const estop::Config& config, ProviderCycle& cycle, Plant& plant,
             std::function<void()> wake);
 
-  // What has happened since the last call: presses stop the robot, and a reset whose latch is gone
+  // Takes the events since the last call: presses stop the robot, and a reset whose latch is gone
   // is finished.
   void Take(std::uint64_t tick);
   // An estop by DDS, and a reset that unlatches first.

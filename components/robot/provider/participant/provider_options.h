@@ -37,7 +37,7 @@ struct ProviderOptions {
   ComposedCycle* composed = nullptr;  // what runs in this thread between state and command
   // Real time, armed: from the write of joint_state to its command, decoded.
   WorkTime* answers = nullptr;
-  // Of real-time cycles, without their waits; null: measured all the same.
+  // Work of real-time cycles, without their waits; null: measured all the same.
   WorkTime* work = nullptr;
   // Called in the loop with what the plant's sensors read and when, s since the start: after Reset
   // with 0, and after each Step. Must not wait in real time.

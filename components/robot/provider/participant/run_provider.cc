@@ -95,7 +95,7 @@ const char* Name(RobotState state) {
   return kNames[static_cast<int>(state)];
 }
 
-// What the plant or the fall guard says of its own faults, joints' included; of others what is
+// The plant's or the fall guard's message of its own faults, joints' included; of others what is
 // known here, and then the former.
 std::string Message(const types::Fault& fault, std::string_view own) {
   if (own.empty()) return types::FaultText(fault);
@@ -124,7 +124,7 @@ class Provider {
   }
 
   void Run() {
-    // Which sends nothing: the plant is the other one's.
+    // A refused provider sends nothing: the plant is the other one's.
     other_provider_.Refuse(milliseconds(lockstep_ ? 300 : 700), stop_);
     node::BeginRealtime();
     desk_.emplace(estop_config_, cycle_, plant_, [this] {

@@ -16,7 +16,7 @@ struct LoadedReference {
   RobotReferenceConfig config;
   // For the log: what was drawn in to keep the limits, a line per joint that was.
   std::vector<std::string> notes;
-  // Of a squat: its joints in their order, the driven ones of the URDF. Else empty.
+  // Joints of a squat in their order, the driven ones of the URDF. Else empty.
   std::vector<std::string> joint_names;
 };
 

@@ -12,7 +12,7 @@
 namespace sinew::reference {
 namespace {
 
-// Of the fields of Exchange and of all that they contain.
+// Version of the fields of Exchange and of all that they contain.
 constexpr std::uint32_t kReferenceStateVersion = 1;
 
 class ReferenceComponent final : public node::TickComponent {

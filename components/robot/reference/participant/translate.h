@@ -13,7 +13,7 @@ namespace sinew::reference {
 
 // The spans of the result point into `state`.
 RobotReferenceInput ToInput(const node::Tick& tick, const msg::JointState& state);
-// What a standby follows.
+// The reference that a standby follows.
 RobotReferenceOutput FromMessage(const msg::Reference& message);
 
 // Start and stop commands of the operator.

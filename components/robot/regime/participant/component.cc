@@ -10,7 +10,7 @@
 namespace sinew::regime {
 namespace {
 
-// Of the fields of Exchange and of all that they contain.
+// Version of the fields of Exchange and of all that they contain.
 constexpr std::uint32_t kRegimeStateVersion = 1;
 
 class RegimeComponent final : public node::TickComponent {

@@ -99,7 +99,7 @@ std::string RobotRegime::Trouble() const {
 
 void RobotRegime::Gaps::Exchange(types::StateArchive& archive) { archive(tick, known, gap_rad); }
 
-// What a step gives is made anew.
+// The output of a step is made anew.
 void RobotRegime::Exchange(types::StateArchive& archive) { archive(detectors, gaps_); }
 
 msg::RegimeState ToMessage(const RobotRegime& robot, const node::Tick& tick) {

@@ -34,7 +34,7 @@ struct RobotRegime {
   void Follow(const node::Tick& tick, node::OtherOwner<msg::RegimeState>* owner);
   void Step(const node::Tick& tick, const msg::JointState& state,
             const node::TickInput<msg::ActuatorState>& actuator);
-  // What is wrong with which joint, one line; empty: nothing.
+  // The first trouble and its joint, one line; empty: none.
   std::string Trouble() const;
   void Exchange(types::StateArchive& archive);  // types/state_archive.h
 
