@@ -52,11 +52,6 @@ void BusModel::Detach(int node) {
   nodes_[static_cast<std::size_t>(node)] = Node{};
 }
 
-int BusModel::node_count() const {
-  return static_cast<int>(
-      std::count_if(nodes_.begin(), nodes_.end(), [](const Node& n) { return n.attached; }));
-}
-
 bool BusModel::Offer(int node, const Frame& frame, std::int64_t now_ns) {
   if (node < 0 || node >= static_cast<int>(nodes_.size()) || frame.error || frame.fd ||
       !IsValid(frame)) {

@@ -48,7 +48,6 @@ class BusModel {
 
   int Attach();
   void Detach(int node);
-  int node_count() const;
 
   // Puts a frame into the node's queue; false when it is full, the frame invalid, the node unknown
   // or bus-off. `now_ns` must not be before an earlier call's.

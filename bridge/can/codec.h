@@ -18,7 +18,7 @@
 //
 // Encode() gives exactly the bytes a frame has on the wire, Decode() nothing for a frame that is
 // too short, of another command, remote, extended, or unknown to the firmware. Longer frames are
-// accepted: additions come at the end. Floats pass as they are, NaN included: who uses them checks
+// accepted: additions come at the end. Floats pass as they are, NaN included: their user checks
 // them. Any thread; allocates nothing.
 #pragma once
 
@@ -261,7 +261,7 @@ struct AdcRequest {
   friend bool operator==(const AdcRequest&, const AdcRequest&) = default;
 };
 
-// Whom a frame belongs to; nothing for extended and error frames. `command` may be none of the
+// The owner of a frame; nothing for extended and error frames. `command` may be none of the
 // enum.
 struct Address {
   int node = 0;

@@ -12,9 +12,12 @@
 #include "bridge/joints/braking.h"
 #include "components/base/types/angle.h"
 #include "components/base/types/joints.h"
+#include "components/base/types/require.h"
 #include "components/robot/provider/plant.h"
 
 namespace sinew::bridge {
+
+using types::Require;
 namespace {
 
 using can::Command;
@@ -28,10 +31,6 @@ constexpr std::array kNodeCommands = {can::NodeCommand::kHeartbeat,
 constexpr std::array kFootCommands = {can::NodeCommand::kHeartbeat, can::NodeCommand::kFootForces};
 constexpr std::array kImuCommands = {can::NodeCommand::kHeartbeat, can::NodeCommand::kImuForce,
                                      can::NodeCommand::kImuRate, can::NodeCommand::kImuOrientation};
-
-void Require(bool holds, const std::string& message) {
-  if (!holds) throw std::invalid_argument(message);
-}
 
 bool IsDirection(int direction) { return direction == 1 || direction == -1; }
 

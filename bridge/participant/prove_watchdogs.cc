@@ -46,7 +46,7 @@ void ProveWatchdogs(const BridgeFile& file, const std::filesystem::path& proofs,
   }
   std::vector<WatchdogProof> kept = ReadProofs(proofs);
   WriteProofs(proofs, kept);  // what cannot be kept is not tried
-  // Everything on the buses is read: who else sends setpoints is found.
+  // Everything on the buses is read: another sender of setpoints is found.
   std::vector<std::unique_ptr<can::Transport>> buses;
   for (const can::BusEntry& entry : file.buses) buses.push_back(can::OpenBus(entry, {}));
 

@@ -8,16 +8,11 @@
 #include <utility>
 
 #include "bridge/can/compact.h"
+#include "components/base/types/require.h"
 
 namespace sinew::virtual_axes {
-namespace {
 
-void Require(bool holds, const std::string& message) {
-  if (!holds) throw std::invalid_argument(message);
-}
-
-}  // namespace
-
+using types::Require;
 void CheckVirtualAxesConfig(const VirtualAxesConfig& config, int joints, int buses) {
   Require(config.step_s >= 1e-5 && config.step_s <= 0.1,
           "step_s = " + std::to_string(config.step_s) + ", expected 1e-5 to 0.1");

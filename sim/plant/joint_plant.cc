@@ -6,6 +6,7 @@
 #include <string>
 
 #include "components/base/types/control_mode.h"
+#include "components/base/types/require.h"
 #include "sim/plant/friction.h"
 
 namespace sinew::plant {
@@ -24,24 +25,20 @@ bool IsLinkInertia(const effects::EffectInfo& info) {
   return info.role == effects::Role::kInertia && info.side == effects::Side::kOutput;
 }
 
-void Require(bool good, const std::string& what, double value) {
-  if (!good) throw std::invalid_argument(what + " = " + std::to_string(value));
-}
-
 }  // namespace
 
 JointPlant::JointPlant(const actuator::JointModel& model, const JointPlantConfig& config)
     : model_(model), config_(config) {
   const auto positive = [](const char* name, double value) {
-    Require(value > 0.0 && std::isfinite(value), name, value);
+    types::Require(value > 0.0, name, value, "above 0");
   };
   positive("contact_stiffness_Nm_rad", config.contact_stiffness_Nm_rad);
   positive("position_gain_1_s", config.position_gain_1_s);
   positive("velocity_bandwidth_rad_s", config.velocity_bandwidth_rad_s);
-  Require(config.contact_damping_ratio >= 0.0, "contact_damping_ratio",
-          config.contact_damping_ratio);
-  Require(config.velocity_integral_1_s >= 0.0, "velocity_integral_1_s",
-          config.velocity_integral_1_s);
+  types::Require(config.contact_damping_ratio >= 0.0, "contact_damping_ratio",
+                 config.contact_damping_ratio, "at least 0");
+  types::Require(config.velocity_integral_1_s >= 0.0, "velocity_integral_1_s",
+                 config.velocity_integral_1_s, "at least 0");
   gear_ratio_ = model_.constants.gear_ratio;
   positive("gear_ratio", gear_ratio_);
   play_rad_ = model_.backlash_rad;
@@ -53,11 +50,12 @@ JointPlant::JointPlant(const actuator::JointModel& model, const JointPlantConfig
     if (info.name == "gear_compliance") compliance_rad_Nm += term.linear[0].value;
     if (info.name == "free_play") compliance_rad_Nm += term.linear[1].value;
   }
-  Require(compliance_rad_Nm >= 0.0, "compliance of the teeth in rad/Nm", compliance_rad_Nm);
+  types::Require(compliance_rad_Nm >= 0.0, "compliance of the teeth in rad/Nm", compliance_rad_Nm,
+                 "at least 0");
   stiffest_contact_Nm_rad_ =
       compliance_rad_Nm > 0.0 ? std::min(config.contact_stiffness_Nm_rad, 1.0 / compliance_rad_Nm)
                               : config.contact_stiffness_Nm_rad;
-  Require(play_rad_ >= 0.0, "backlash_rad", play_rad_);
+  types::Require(play_rad_ >= 0.0, "backlash_rad", play_rad_, "at least 0");
   ideal_drive_gain_ = effects::IdealDriveGain(model_.constants);
 
   std::size_t memory_at = 0;
@@ -102,9 +100,9 @@ JointPlant::JointPlant(const actuator::JointModel& model, const JointPlantConfig
   adds_load_force_ = !has_load_force;
   if (has_play()) {
     rotor_inertia_kg_m2_ = ForcesOn(motor_, 0.0, false, true).inertia;
-    Require(rotor_inertia_kg_m2_ > 0.0,
-            "joint '" + model_.name + "' has free play: rotor_inertia must be positive, is",
-            rotor_inertia_kg_m2_);
+    types::Require(rotor_inertia_kg_m2_ > 0.0,
+                   "joint '" + model_.name + "' has free play: rotor_inertia", rotor_inertia_kg_m2_,
+                   "above 0");
   }
   sample_.temperature_degC = config_.motor_temperature_degC;
 }
@@ -134,8 +132,8 @@ void JointPlant::Reset(double position_rad, double body_inertia_kg_m2) {
                              std::span(memory_).subspan(term.memory_at, term.memory_size));
   }
   const double total = body_inertia_kg_m2 + ForcesOn(output_, 0.0, true, !has_play()).inertia;
-  Require(total > 0.0, "joint '" + model_.name + "': inertia at the output must be positive, is",
-          total);
+  types::Require(total > 0.0, "joint '" + model_.name + "': inertia at the output", total,
+                 "above 0");
   controlled_inertia_kg_m2_ = has_play() ? rotor_inertia_kg_m2_ : total;
 
   // Terms in jerk c and snap d through the filter a / (1 + s tau): stable for c > -J tau, d > -J

@@ -5,6 +5,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "components/base/types/require.h"
+
 namespace sinew::plant {
 
 namespace {
@@ -12,17 +14,14 @@ namespace {
 constexpr double kSmallestVolume_share =
     0.05;  // of the volume at the rest angle: the rotor's end stop
 
-void Require(bool good, const char* what, double value) {
-  if (!good) throw std::invalid_argument(std::string(what) + " = " + std::to_string(value));
-}
-
 }  // namespace
 
 PneumaticElement::PneumaticElement(const PneumaticConfig& config) : config_(config) {
   const auto not_negative = [](const char* what, double value) {
-    Require(value >= 0.0 && std::isfinite(value), what, value);
+    types::Require(value >= 0.0, what, value, "at least 0");
   };
-  Require(config.chamber_volume_m3 > 0.0, "chamber_volume_m3", config.chamber_volume_m3);
+  types::Require(config.chamber_volume_m3 > 0.0, "chamber_volume_m3", config.chamber_volume_m3,
+                 "above 0");
   not_negative("reservoir_volume_m3", config.reservoir_volume_m3);
   not_negative("valve_conductance_m3_s", config.valve_conductance_m3_s);
   not_negative("leak_conductance_m3_s", config.leak_conductance_m3_s);

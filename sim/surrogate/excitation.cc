@@ -8,6 +8,7 @@
 
 #include "components/base/types/angle.h"
 #include "components/base/types/control_mode.h"
+#include "components/base/types/gravity.h"
 
 namespace sinew::surrogate {
 namespace {
@@ -327,7 +328,7 @@ void Excitation::operator()(double time_s, const provider::PlantSensors& sensors
   const double forward_Nm =
       (kInertia_kg_m2 + arm_kg_m * 0.3) * acceleration_rad_s2 + kViscous_Nm_s_rad * velocity_rad_s +
       kCoulomb_Nm * std::tanh(velocity_rad_s / 0.03) +
-      (kGravity_Nm + arm_kg_m * 9.81) * std::cos(reference_rad) -
+      (kGravity_Nm + arm_kg_m * types::kGravity_m_s2) * std::cos(reference_rad) -
       (parameters_.pneumatic_Nm_bar - parameters_.pneumatic_stiffness_Nm_rad_bar * reference_rad) *
           sensors.chamber_pressure_bar[0];
   const double feedback_Nm =

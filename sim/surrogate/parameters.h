@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "components/base/types/gravity.h"
 #include "sim/surrogate/drive.h"
 #include "sim/surrogate/gas.h"
 #include "sim/surrogate/motor.h"
@@ -43,7 +44,7 @@ struct LinkParameters {
   double inertia_kg_m2 = 0.019;     // C: with the shaft and vane of the pneumatic element
   double gravity_torque_Nm = 0.58;  // T: at 0 rad (horizontal)
   double length_m = 0.3;            // T: load cell and payload
-  double gravity_m_s2 = 9.81;
+  double gravity_m_s2 = types::kGravity_m_s2;
   double viscous_Nm_s_rad = 0.0;
   double declared_payload_kg = 0.0;
   double end_stop_rad = 2.356194490192345;  // T: 270 degrees of travel, half to each side

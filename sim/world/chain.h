@@ -14,6 +14,7 @@
 #include <memory>
 #include <vector>
 
+#include "components/base/types/gravity.h"
 #include "components/base/types/joints.h"
 #include "components/bodies/links/bodies.h"
 
@@ -27,7 +28,8 @@ class RigidChain {
   // Joints in the order of the chain's bodies. gravity: world frame. Throws
   // std::invalid_argument when there are too many joints.
   explicit RigidChain(const arm::Chain& chain,
-                      const Eigen::Vector3d& gravity_m_s2 = Eigen::Vector3d(0.0, 0.0, -9.81));
+                      const Eigen::Vector3d& gravity_m_s2 = Eigen::Vector3d(0.0, 0.0,
+                                                                            -types::kGravity_m_s2));
   ~RigidChain();
   RigidChain(RigidChain&&) noexcept;
 

@@ -5,19 +5,10 @@
 #include <stdexcept>
 #include <string>
 
+#include "components/base/types/gravity.h"
+#include "components/base/types/require.h"
+
 namespace sinew::world {
-
-namespace {
-
-constexpr double kStandardGravity_m_s2 = 9.80665;
-
-void Require(bool holds, const char* name, double value, const char* expected) {
-  if (holds && std::isfinite(value)) return;
-  throw std::invalid_argument(std::string("ground: ") + name + " = " + std::to_string(value) +
-                              ", expected " + expected);
-}
-
-}  // namespace
 
 double DampingOfRestitution(double restitution) {
   // The right side less the left one is 0 at 0, falls until x = (1 - e) / e, where its derivative
@@ -33,15 +24,18 @@ double DampingOfRestitution(double restitution) {
 }
 
 GroundLaw::GroundLaw(const GroundConfig& config) {
-  Require(true, "height_m", config.height_m, "a finite number");
-  Require(config.friction >= 0.0, "friction", config.friction, "at least 0");
-  Require(config.static_load_N > 0.0, "static_load_N", config.static_load_N, "above 0");
-  Require(config.static_sink_m > 0.0, "static_sink_m", config.static_sink_m, "above 0");
-  Require(config.restitution > 0.0 && config.restitution < 1.0, "restitution", config.restitution,
-          "above 0 and below 1");
-  Require(config.impact_speed_m_s > 0.0, "impact_speed_m_s", config.impact_speed_m_s, "above 0");
-  Require(config.tangential_damping_ratio >= 0.0, "tangential_damping_ratio",
-          config.tangential_damping_ratio, "at least 0");
+  types::Require(true, "ground: height_m", config.height_m, "a finite number");
+  types::Require(config.friction >= 0.0, "ground: friction", config.friction, "at least 0");
+  types::Require(config.static_load_N > 0.0, "ground: static_load_N", config.static_load_N,
+                 "above 0");
+  types::Require(config.static_sink_m > 0.0, "ground: static_sink_m", config.static_sink_m,
+                 "above 0");
+  types::Require(config.restitution > 0.0 && config.restitution < 1.0, "ground: restitution",
+                 config.restitution, "above 0 and below 1");
+  types::Require(config.impact_speed_m_s > 0.0, "ground: impact_speed_m_s", config.impact_speed_m_s,
+                 "above 0");
+  types::Require(config.tangential_damping_ratio >= 0.0, "ground: tangential_damping_ratio",
+                 config.tangential_damping_ratio, "at least 0");
   height_m_ = config.height_m;
   friction_ = config.friction;
   stiffness_N_m_ = config.static_load_N / config.static_sink_m;
@@ -49,7 +43,7 @@ GroundLaw::GroundLaw(const GroundConfig& config) {
   tangential_stiffness_N_m_ = 2.0 / 3.0 * stiffness_N_m_;
   tangential_damping_N_s_m_ =
       2.0 * config.tangential_damping_ratio *
-      std::sqrt(tangential_stiffness_N_m_ * config.static_load_N / kStandardGravity_m_s2);
+      std::sqrt(tangential_stiffness_N_m_ * config.static_load_N / types::kStandardGravity_m_s2);
 }
 
 GroundLaw::Result GroundLaw::Force(const Eigen::Vector3d& position_m,

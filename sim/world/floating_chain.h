@@ -18,6 +18,7 @@
 #include <span>
 #include <vector>
 
+#include "components/base/types/gravity.h"
 #include "components/bodies/links/bodies.h"
 
 namespace sinew::world {
@@ -59,8 +60,9 @@ class FloatingChain {
  public:
   // gravity: world axes. Throws std::invalid_argument: the base has no mass, or an inertia that no
   // body has (a principal moment not above 0, or above the sum of the two others).
-  explicit FloatingChain(const arm::Chain& chain,
-                         const Eigen::Vector3d& gravity_m_s2 = Eigen::Vector3d(0.0, 0.0, -9.81));
+  explicit FloatingChain(
+      const arm::Chain& chain,
+      const Eigen::Vector3d& gravity_m_s2 = Eigen::Vector3d(0.0, 0.0, -types::kGravity_m_s2));
   ~FloatingChain();
   FloatingChain(FloatingChain&&) noexcept;
   FloatingChain& operator=(FloatingChain&&) noexcept;

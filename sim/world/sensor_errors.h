@@ -26,6 +26,7 @@
 #include <vector>
 
 #include "components/base/types/angle.h"
+#include "components/base/types/gravity.h"
 
 namespace sinew::world {
 
@@ -48,19 +49,19 @@ struct ImuErrors {
 // DLPFCFG = 2, 2 g and 500 deg/s): noise 400 ug/sqrt(Hz) and 0.005 deg/s/sqrt(Hz), zero-g 50 mg,
 // zero rate 20 deg/s, scale 3 %, 16384 and 65.5 steps to a g and a deg/s. Within the bounds of
 // components/robot/fall/imu_check.h.
-inline constexpr double kImuG_m_s2 = 9.80665;
-inline constexpr ImuErrors kMpu6050{.force = {.bandwidth_Hz = 100.0,
-                                              .noise_density = 400e-6 * kImuG_m_s2,
-                                              .bias = 0.05 * kImuG_m_s2,
-                                              .scale_error = 0.03,
-                                              .step = kImuG_m_s2 / 16384.0,
-                                              .range = 2.0 * kImuG_m_s2},
-                                    .rate = {.bandwidth_Hz = 100.0,
-                                             .noise_density = 0.005 * types::kDegree_rad,
-                                             .bias = 20.0 * types::kDegree_rad,
-                                             .scale_error = 0.03,
-                                             .step = types::kDegree_rad / 65.5,
-                                             .range = 500.0 * types::kDegree_rad}};
+inline constexpr ImuErrors kMpu6050{
+    .force = {.bandwidth_Hz = 100.0,
+              .noise_density = 400e-6 * types::kStandardGravity_m_s2,
+              .bias = 0.05 * types::kStandardGravity_m_s2,
+              .scale_error = 0.03,
+              .step = types::kStandardGravity_m_s2 / 16384.0,
+              .range = 2.0 * types::kStandardGravity_m_s2},
+    .rate = {.bandwidth_Hz = 100.0,
+             .noise_density = 0.005 * types::kDegree_rad,
+             .bias = 20.0 * types::kDegree_rad,
+             .scale_error = 0.03,
+             .step = types::kDegree_rad / 65.5,
+             .range = 500.0 * types::kDegree_rad}};
 
 class SensorRow {
  public:

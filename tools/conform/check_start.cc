@@ -122,8 +122,8 @@ void CheckOwnership(RealTimeRun& run) {
   };
   const auto is_above = [](const Strengths& both) { return both.own > both.owners; };
   const auto is_level = [](const Strengths& both) { return both.own == both.owners; };
-  // Until the program has settled, and a little longer. At no moment above the owner: who has taken
-  // over and is stalled after that is below again.
+  // Until the program has settled, and a little longer. At no moment above the owner: one that has
+  // taken over and is stalled after that is below again.
   const bool rose = run.stage.PlayUntil(
       run.Disarmed(), [&] { return any_of(is_above); }, kSettled);
   run.report.Add("joins_below", !rose && !any_of(is_level),

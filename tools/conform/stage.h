@@ -73,7 +73,7 @@ class Stage {
   std::uint64_t session_id() const { return session_id_; }
 
   // Also plays the topics of the role itself, as the owner that is there when the program starts.
-  // Waits until it has settled: whoever is handed the role before that may have its strength.
+  // Waits until it has settled: a process that gets the role before that may have its strength.
   void PlayOwner();  // throws std::runtime_error: it has not settled in time
   // Strength of the played owner's writer of the topic; 0 when it is not played.
   std::uint32_t OwnerStrength(std::string_view topic) const;

@@ -11,6 +11,7 @@
 #include <string_view>
 #include <vector>
 
+#include "components/base/types/gravity.h"
 #include "components/bodies/links/bodies.h"
 #include "components/bodies/links/fixed_links.h"
 #include "components/model/actuator/model.h"
@@ -73,8 +74,8 @@ struct LinkInertia {
 
 struct DescribedRobot {
   std::string name;
-  bool floating = false;               // the base moves freely
-  double gravity_m_s2 = 9.81;          // along -z of the world
+  bool floating = false;                       // the base moves freely
+  double gravity_m_s2 = types::kGravity_m_s2;  // along -z of the world
   arm::MergedChain links;              // payloads of the model added; links on fixed joints merged
   std::vector<DescribedJoint> joints;  // in the model's order
   // Links whose inertia is another than in the URDF; nothing: it has gone into the link that

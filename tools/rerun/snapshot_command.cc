@@ -29,7 +29,7 @@ struct SnapshotOptions {
   double timeout_s = 5.0;
 };
 
-// The first parts that come back say who has answered. Whole snapshots are the recorder's matter.
+// The first parts that come back name the process. Whole snapshots are the recorder's matter.
 class Asker {
  public:
   explicit Asker(const SnapshotOptions& options)

@@ -34,8 +34,8 @@ using std::chrono::milliseconds;
 constexpr milliseconds kRepeatHandover(
     200);  // the command is volatile: said again until it is done
 
-// It is heard for so long, some deadlines of an owner (node/ownership.h), before it counts: who has
-// just begun may miss one, and is replaced.
+// It is heard for so long, some deadlines of an owner (node/ownership.h), before it counts: one
+// that has just begun may miss one, and is replaced.
 constexpr milliseconds kHeardFor(100);
 
 struct HandoverOptions {

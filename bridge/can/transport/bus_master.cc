@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "components/base/config/config.h"
+#include "components/base/config/unix_socket.h"
 
 namespace sinew::can {
 namespace {
@@ -34,10 +35,8 @@ MasterName NameOf(const std::string& bus) {
 
 std::string Holder(const MasterName& address) {
   const int probe = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
-  ucred peer{};
-  socklen_t size = sizeof peer;
-  const bool known = probe >= 0 && ::connect(probe, address.get(), address.size) == 0 &&
-                     ::getsockopt(probe, SOL_SOCKET, SO_PEERCRED, &peer, &size) == 0;
+  const bool known = probe >= 0 && ::connect(probe, address.get(), address.size) == 0;
+  const ucred peer = config::PeerOf(probe);
   if (probe >= 0) ::close(probe);
   return known ? "process " + std::to_string(peer.pid) + " of user " + std::to_string(peer.uid)
                : "another process";
@@ -48,7 +47,7 @@ std::string Holder(const MasterName& address) {
 BusMaster::BusMaster(const std::string& bus) {
   const MasterName address = NameOf(bus);
   socket_ = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
-  // It listens, so that who comes second learns whose it is; nobody is accepted.
+  // It listens, so that a second bridge learns whose it is; nobody is accepted.
   if (socket_ >= 0 && ::bind(socket_, address.get(), address.size) == 0 &&
       ::listen(socket_, 1) == 0) {
     return;

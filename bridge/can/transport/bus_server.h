@@ -1,5 +1,5 @@
-// The bus between processes: who joins its socket is a node. Frames arbitrate and take their time
-// as BusModel says; every other node gets them with the stamp of their last bit.
+// The bus between processes: a process that joins its socket is a node. Frames arbitrate and take
+// their time as BusModel says; every other node gets them with the stamp of their last bit.
 //
 // One thread calls RunOnce in a loop. A client that does not read loses frames (counted), never the
 // others.

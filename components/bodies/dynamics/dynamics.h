@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "components/base/types/gravity.h"
 #include "components/bodies/dynamics/newton_euler.h"
 #include "components/bodies/links/bodies.h"
 
@@ -17,8 +18,8 @@ namespace sinew::arm {
 class ArmDynamics {
  public:
   // Throws std::invalid_argument when no joint moves.
-  explicit ArmDynamics(const Chain& chain,
-                       const Eigen::Vector3d& gravity_m_s2 = Eigen::Vector3d(0.0, 0.0, -9.81));
+  explicit ArmDynamics(const Chain& chain, const Eigen::Vector3d& gravity_m_s2 =
+                                               Eigen::Vector3d(0.0, 0.0, -types::kGravity_m_s2));
 
   int joints() const { return static_cast<int>(links_.size()); }
   int parameters() const { return kParametersPerBody * joints(); }

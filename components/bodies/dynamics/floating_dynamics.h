@@ -20,6 +20,7 @@
 #include <string>
 #include <vector>
 
+#include "components/base/types/gravity.h"
 #include "components/bodies/dynamics/dynamics.h"
 #include "components/bodies/dynamics/newton_euler.h"
 #include "components/bodies/links/bodies.h"
@@ -38,8 +39,9 @@ struct FloatingMotion {
 class FloatingDynamics {
  public:
   // Throws std::invalid_argument: a body whose weight is not the bodies' (Body::weightless).
-  explicit FloatingDynamics(const Chain& chain,
-                            const Eigen::Vector3d& gravity_m_s2 = Eigen::Vector3d(0.0, 0.0, -9.81));
+  explicit FloatingDynamics(
+      const Chain& chain,
+      const Eigen::Vector3d& gravity_m_s2 = Eigen::Vector3d(0.0, 0.0, -types::kGravity_m_s2));
 
   int joints() const { return static_cast<int>(links_.size()); }
   int freedom() const { return kBaseFreedom + joints(); }

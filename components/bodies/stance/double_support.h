@@ -45,6 +45,7 @@
 #include <string>
 #include <vector>
 
+#include "components/base/types/gravity.h"
 #include "components/bodies/dynamics/floating_dynamics.h"
 #include "components/bodies/links/bodies.h"
 
@@ -64,7 +65,7 @@ SoleConfig SoleOfSide(const std::string& side);
 
 struct DoubleSupportConfig {
   std::array<SoleConfig, kSoles> soles = {SoleOfSide("left"), SoleOfSide("right")};
-  double gravity_m_s2 = 9.81;
+  double gravity_m_s2 = types::kGravity_m_s2;
 };
 
 // Difference between what the two soles ask of the base: norms of the differences of (1), and of

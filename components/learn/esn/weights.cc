@@ -7,14 +7,13 @@
 #include <stdexcept>
 
 #include "components/base/types/joints.h"
+#include "components/base/types/require.h"
 #include "components/learn/esn/normal.h"
 
 namespace sinew::esn {
-namespace {
 
-void Require(bool condition, const std::string& what) {
-  if (!condition) throw std::invalid_argument(what);
-}
+using types::Require;
+namespace {
 
 std::string Shape(Eigen::Index rows, Eigen::Index columns) {
   return std::to_string(rows) + " x " + std::to_string(columns);
@@ -37,20 +36,15 @@ void RequireNormalisation(const Normalisation& n, Eigen::Index size, const std::
 }  // namespace
 
 void Hyperparameters::Check() const {
-  const auto number = [](double v) { return std::to_string(v); };
   Require(neurons >= 1 && neurons <= 100000,
           "neurons: " + std::to_string(neurons) + ", expected 1 .. 100000");
-  Require(std::isfinite(spectral_radius) && spectral_radius > 0.0,
-          "spectral_radius: " + number(spectral_radius) + ", expected a number above 0");
-  Require(std::isfinite(input_variance) && input_variance > 0.0,
-          "input_variance: " + number(input_variance) + ", expected a number above 0");
-  Require(density > 0.0 && density <= 1.0,
-          "density: " + number(density) + ", expected above 0, at most 1");
-  Require(leak > 0.0 && leak <= 1.0, "leak: " + number(leak) + ", expected above 0, at most 1");
+  Require(spectral_radius > 0.0, "spectral_radius", spectral_radius, "a number above 0");
+  Require(input_variance > 0.0, "input_variance", input_variance, "a number above 0");
+  Require(density > 0.0 && density <= 1.0, "density", density, "above 0, at most 1");
+  Require(leak > 0.0 && leak <= 1.0, "leak", leak, "above 0, at most 1");
   Require(shared_rows == 1 || shared_rows == 4,
           "shared_rows: " + std::to_string(shared_rows) + ", expected 1 or 4");
-  Require(std::isfinite(input_limit) && input_limit > 0.0,
-          "input_limit: " + number(input_limit) + ", expected a number above 0");
+  Require(input_limit > 0.0, "input_limit", input_limit, "a number above 0");
 }
 
 Eigen::MatrixXd EllMatrix::Dense() const {

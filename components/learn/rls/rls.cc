@@ -5,17 +5,13 @@
 #include <stdexcept>
 #include <string>
 
+#include "components/base/types/require.h"
 #include "components/learn/rls/dispatch.h"
 
 namespace sinew::rls {
-namespace {
 
-void Require(bool condition, const char* name, double value, const char* expected) {
-  if (!condition) {
-    throw std::invalid_argument(std::string(name) + ": " + std::to_string(value) + ", expected " +
-                                expected);
-  }
-}
+using types::Require;
+namespace {
 
 // The running innovation variance never falls to zero, where everything would be clipped.
 constexpr double kSmallestVariance = 1e-12;
@@ -47,16 +43,14 @@ RecursiveLeastSquares::RecursiveLeastSquares(const Config& config,
       instructions_(instructions ? *instructions : internal::FastestUpdate()) {
   Require(config.forgetting > 0.0 && config.forgetting <= 1.0, "forgetting", config.forgetting,
           "above 0, at most 1");
-  Require(std::isfinite(config.prior_precision) && config.prior_precision > 0.0, "prior_precision",
-          config.prior_precision, "a number above 0");
-  Require(std::isfinite(config.leak) && config.leak >= 0.0, "leak", config.leak,
-          "a number, at least 0");
-  Require(std::isfinite(config.clip_sigmas) && config.clip_sigmas >= 0.0, "clip_sigmas",
-          config.clip_sigmas, "a number, at least 0");
+  Require(config.prior_precision > 0.0, "prior_precision", config.prior_precision,
+          "a number above 0");
+  Require(config.leak >= 0.0, "leak", config.leak, "a number, at least 0");
+  Require(config.clip_sigmas >= 0.0, "clip_sigmas", config.clip_sigmas, "a number, at least 0");
   Require(config.innovation_memory > 0.0 && config.innovation_memory < 1.0, "innovation_memory",
           config.innovation_memory, "between 0 and 1");
-  Require(std::isfinite(config.initial_innovation) && config.initial_innovation > 0.0,
-          "initial_innovation", config.initial_innovation, "a number above 0");
+  Require(config.initial_innovation > 0.0, "initial_innovation", config.initial_innovation,
+          "a number above 0");
   if (size_ < 1 || outputs_ < 1 || !offline_readout.allFinite()) {
     throw std::invalid_argument("offline readout: " + std::to_string(outputs_) + " x " +
                                 std::to_string(size_) +

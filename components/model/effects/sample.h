@@ -5,6 +5,7 @@
 // model, because the model file names only effects whose signals the mapping provides.
 #pragma once
 
+#include "components/base/types/gravity.h"
 #include "components/base/types/joint_kind.h"
 
 namespace sinew::effects {
@@ -43,7 +44,7 @@ struct JointSample {
 struct JointConstants {
   double gear_ratio = 1.0;     // motor turns per output turn
   double link_length_m = 0.0;  // joint axis to load cell and payload; 1 by definition if linear
-  double gravity_m_s2 = 9.81;
+  double gravity_m_s2 = types::kGravity_m_s2;
   double torque_constant_Nm_A = 0.0;     // motor side
   double force_constant_N_V = 0.0;       // linear drives commanded in volts
   double back_emf_V_s_rad = 0.0;         // motor side; drives whose voltage lies on the winding

@@ -51,6 +51,7 @@
 #include <string>
 #include <vector>
 
+#include "components/base/types/gravity.h"
 #include "components/base/types/run.h"
 #include "components/bodies/dynamics/floating_dynamics.h"
 #include "components/bodies/links/links.h"
@@ -92,7 +93,7 @@ struct StanceConfig {
       "right_force_front_inner", "left_force_rear_outer",  "left_force_rear_inner",
       "left_force_front_outer",  "left_force_front_inner"};
   std::string imu_link = "imu";
-  double gravity_m_s2 = 9.81;
+  double gravity_m_s2 = types::kGravity_m_s2;
 };
 
 // On an even grid of time.

@@ -7,16 +7,13 @@
 
 #include "components/base/types/control_mode.h"
 #include "components/base/types/regime.h"
+#include "components/base/types/require.h"
 #include "components/robot/reference/blend.h"
 
 namespace sinew::control {
-namespace {
 
-void Require(bool good, const char* what, double value) {
-  if (!good || !std::isfinite(value)) {
-    throw std::invalid_argument(std::string(what) + " is " + std::to_string(value));
-  }
-}
+using types::Require;
+namespace {
 
 bool Finite(const Point& p) noexcept {
   return std::isfinite(p.position_rad) && std::isfinite(p.velocity_rad_s) &&
@@ -67,25 +64,28 @@ const char* FaultText(Fault fault) noexcept {
 
 JointController::JointController(const JointControlConfig& config)
     : config_(config), pid_(config.pid) {
-  Require(config.gear_ratio > 0.0, "gear ratio", config.gear_ratio);
-  Require(config.shaft_per_output > 0.0, "motor torque per output torque", config.shaft_per_output);
-  Require(config.motor_torque_limit_Nm > 0.0, "motor torque limit", config.motor_torque_limit_Nm);
-  Require(config.takeover_s >= 0.0, "take-over time", config.takeover_s);
-  Require(config.replay_takeover_s >= 0.0, "take-over time of a replay", config.replay_takeover_s);
-  Require(config.crossfade_s >= 0.0, "cross-fade time", config.crossfade_s);
+  Require(config.gear_ratio > 0.0, "gear ratio", config.gear_ratio, "above 0");
+  Require(config.shaft_per_output > 0.0, "motor torque per output torque", config.shaft_per_output,
+          "above 0");
+  Require(config.motor_torque_limit_Nm > 0.0, "motor torque limit", config.motor_torque_limit_Nm,
+          "above 0");
+  Require(config.takeover_s >= 0.0, "take-over time", config.takeover_s, "at least 0");
+  Require(config.replay_takeover_s >= 0.0, "take-over time of a replay", config.replay_takeover_s,
+          "at least 0");
+  Require(config.crossfade_s >= 0.0, "cross-fade time", config.crossfade_s, "at least 0");
   Require(config.tracking_error_limit_rad >= 0.0, "tracking error limit",
-          config.tracking_error_limit_rad);
-  Require(config.damping_Nm_s_rad >= 0.0, "damping", config.damping_Nm_s_rad);
+          config.tracking_error_limit_rad, "at least 0");
+  Require(config.damping_Nm_s_rad >= 0.0, "damping", config.damping_Nm_s_rad, "at least 0");
   Require(config.motion_acceleration_rad_s2 > 0.0, "motion acceleration",
-          config.motion_acceleration_rad_s2);
-  Require(config.stale_grace_s >= 0.0, "grace", config.stale_grace_s);
+          config.motion_acceleration_rad_s2, "above 0");
+  Require(config.stale_grace_s >= 0.0, "grace", config.stale_grace_s, "at least 0");
   if (config.strategy == Strategy::kPidLinear) {
     if (!config.model) throw std::invalid_argument("pid_linear needs a model");
     compensator_.emplace(*config.model, config.compensator);
   }
   if (config.strategy == Strategy::kComputedTorque) {
     Require(config.pid.integral_Nm_rad_s == 0.0, "integral gain of computed_torque",
-            config.pid.integral_Nm_rad_s);
+            config.pid.integral_Nm_rad_s, "0");
   }
 }
 

@@ -223,7 +223,7 @@ void Listener::Accept() {
   clients_.push_back(client);
 }
 
-// The spare one, else that of a client who says nothing.
+// The spare one, else that of a client that says nothing.
 bool Listener::FreeDescriptor() {
   if (spare_.get() >= 0) {
     spare_.Close();

@@ -21,20 +21,6 @@ void RequireWithin(double value, double largest, const char* name) {
 
 }  // namespace
 
-std::string_view CriterionName(Criterion criterion) noexcept {
-  switch (criterion) {
-    case Criterion::kNone:
-      return "none";
-    case Criterion::kTilt:
-      return "tilt";
-    case Criterion::kBaseHeight:
-      return "base_height";
-    case Criterion::kFreeFall:
-      return "free_fall";
-  }
-  return "";
-}
-
 std::string_view UnknownName(Unknown unknown) noexcept {
   switch (unknown) {
     case Unknown::kNone:
@@ -111,9 +97,9 @@ void FallDetector::Lose(Unknown unknown, std::uint64_t since_tick) noexcept {
 }
 
 void FallDetector::FindFall(const FallInput& input, const ImuUse& use) noexcept {
-  const bool light = input.imu.force_m_s2.norm() < config_.free_fall_share * kGravity_m_s2;
+  const bool light = input.imu.force_m_s2.norm() < config_.free_fall_share * types::kGravity_m_s2;
   const bool unloaded =
-      output_.feet.total_N() < config_.unloaded_share * config_.mass_kg * kGravity_m_s2;
+      output_.feet.total_N() < config_.unloaded_share * config_.mass_kg * types::kGravity_m_s2;
   struct Row {
     Criterion criterion;
     Hold* hold;

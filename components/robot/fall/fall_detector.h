@@ -67,7 +67,6 @@ namespace sinew::fall {
 enum class FallState { kUnknown, kUpright, kFalling };
 
 enum class Criterion { kNone, kTilt, kBaseHeight, kFreeFall };
-std::string_view CriterionName(Criterion criterion) noexcept;  // "base_height"
 
 // Why the state is unknown.
 enum class Unknown {

@@ -16,7 +16,7 @@ ImuCheck::ImuCheck(const ImuBounds& bounds) : bounds_(bounds) {
                                   std::to_string(value));
     }
   }
-  if (bounds.force_range_m_s2 <= kGravity_m_s2 || bounds.rate_range_rad_s == 0.0) {
+  if (bounds.force_range_m_s2 <= types::kGravity_m_s2 || bounds.rate_range_rad_s == 0.0) {
     throw std::invalid_argument("the IMU's ranges are above 1 g and above 0 rad/s, got " +
                                 std::to_string(bounds.force_range_m_s2) + " m/s2 and " +
                                 std::to_string(bounds.rate_range_rad_s) + " rad/s");

@@ -15,17 +15,17 @@
 #include <Eigen/Core>
 
 #include "components/base/types/angle.h"
+#include "components/base/types/gravity.h"
 
 namespace sinew::fall {
 
-inline constexpr double kGravity_m_s2 = 9.81;
 inline constexpr double kSaturatedShare = 0.999;  // derived above
 
 // Stated bounds of the IMU. The defaults are those of the data sheet of a consumer part, MPU-6050
 // (PS-MPU-6000A revision 3.4, sections 6.1 and 6.2), uncalibrated; they are to be replaced by those
 // of the robot's part. tilt_filter.h turns them into gains and an error bound.
 struct ImuBounds {
-  double force_range_m_s2 = 2.0 * kGravity_m_s2;
+  double force_range_m_s2 = 2.0 * types::kGravity_m_s2;
   double force_bias_m_s2 = 0.7;    // horizontal part: 50 mg on x and on y
   double force_noise_m_s2 = 0.05;  // standard deviation per axis: 400 ug/sqrt(Hz) in 100 Hz
   double rate_range_rad_s = 500.0 * types::kDegree_rad;

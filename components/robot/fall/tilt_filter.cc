@@ -26,9 +26,10 @@ double ErrorBound_rad(const TiltConfig& config, double gain, double integral_gai
   const std::complex<double> s(0.0, config.motion_rad_s);
   const double motion = std::abs((gain * s + integral_gain) / std::pow(s + gain / 2.0, 2));
   const double rate_variance = imu.rate_noise_rad_s * imu.rate_noise_rad_s / (2.0 * gain);
-  const double force_noise = imu.force_noise_m_s2 / kGravity_m_s2;
+  const double force_noise = imu.force_noise_m_s2 / types::kGravity_m_s2;
   const double force_variance = force_noise * force_noise * 5.0 * gain / 8.0;
-  return imu.force_bias_m_s2 / kGravity_m_s2 + config.motion_m_s2 / kGravity_m_s2 * motion +
+  return imu.force_bias_m_s2 / types::kGravity_m_s2 +
+         config.motion_m_s2 / types::kGravity_m_s2 * motion +
          imu.rate_drift_rad_s2 / integral_gain +
          2.0 / (std::numbers::e * gain) * config.start_sway_rad / config.start_s +
          config.start_sway_rad + imu.rate_scale_error * config.limit_rad +
@@ -60,7 +61,7 @@ TiltFilter::TiltFilter(const TiltConfig& config, double period_s) : config_(conf
   RequirePositive(config.motion_rad_s, "motion_rad_s");
   RequirePositive(config.coast_error_rad, "coast_error_rad");
   const ImuBounds& imu = config.imu;
-  gain_1_s_ = config.filter_delay_s * kGravity_m_s2 / config.pendulum_length_m;
+  gain_1_s_ = config.filter_delay_s * types::kGravity_m_s2 / config.pendulum_length_m;
   integral_gain_1_s2_ = gain_1_s_ * gain_1_s_ / 4.0;
   gate_m_s2_ = imu.force_bias_m_s2 + config.motion_m_s2 + kSigmas * imu.force_noise_m_s2;
   error_bound_rad_ = ErrorBound_rad(config, gain_1_s_, integral_gain_1_s2_, period_s);
@@ -103,7 +104,7 @@ void TiltFilter::StepStart(const ImuSample& sample, const ImuUse& use, double el
   if (first_half_.count > 0 || use.rate_usable) half.elapsed_s += elapsed_s;
   if (!use.rate_usable) return;
   const bool still = use.force_usable && sample.rate_rad_s.norm() <= start_rate_rad_s_ &&
-                     std::abs(sample.force_m_s2.norm() - kGravity_m_s2) <= gate_m_s2_;
+                     std::abs(sample.force_m_s2.norm() - types::kGravity_m_s2) <= gate_m_s2_;
   if (first_half_.count == 0) rate_low_ = rate_high_ = sample.rate_rad_s;
   rate_low_ = rate_low_.cwiseMin(sample.rate_rad_s);
   rate_high_ = rate_high_.cwiseMax(sample.rate_rad_s);
@@ -120,7 +121,7 @@ void TiltFilter::StepStart(const ImuSample& sample, const ImuUse& use, double el
   const double turned_rad =
       std::atan2(first_m_s2.cross(second_m_s2).norm(), first_m_s2.dot(second_m_s2));
   // Two means of so many samples, two horizontal axes.
-  const double noise_rad = config_.imu.force_noise_m_s2 / kGravity_m_s2 *
+  const double noise_rad = config_.imu.force_noise_m_s2 / types::kGravity_m_s2 *
                            std::sqrt(2.0 / first_half_.count + 2.0 / second_half_.count);
   if (turned_rad > config_.start_sway_rad + kSigmas * noise_rad) {
     BeginStart();
@@ -143,7 +144,7 @@ void TiltFilter::Step(const ImuSample& sample, const ImuUse& use, double elapsed
   Eigen::Vector3d rate_rad_s = 0.5 * (last_rad_s + rate_rad_s_) - bias_rad_s_;
   const double norm_m_s2 = use.force_usable ? sample.force_m_s2.norm() : 0.0;
   coasting_s_ += elapsed_s;
-  if (use.force_usable && std::abs(norm_m_s2 - kGravity_m_s2) <= gate_m_s2_) {
+  if (use.force_usable && std::abs(norm_m_s2 - types::kGravity_m_s2) <= gate_m_s2_) {
     const Eigen::Vector3d error = (sample.force_m_s2 / norm_m_s2).cross(up_);
     rate_rad_s += gain_1_s_ * error;
     bias_rad_s_ -= integral_gain_1_s2_ * elapsed_s * error;

@@ -13,17 +13,18 @@
 
 #include <cstdint>
 
+#include "components/base/types/gravity.h"
+
 namespace sinew::performance {
 
-inline constexpr double kGravity_m_s2 = 9.81;
-
 // m g dh; dh below 0 gives 0.
-double LiftingWork_J(double mass_kg, double rise_m, double gravity_m_s2 = kGravity_m_s2) noexcept;
+double LiftingWork_J(double mass_kg, double rise_m,
+                     double gravity_m_s2 = types::kGravity_m_s2) noexcept;
 
 class LiftingBound {
  public:
   // Throws std::invalid_argument for a mass, band or gravity that is not positive and finite.
-  LiftingBound(double mass_kg, double band_m, double gravity_m_s2 = kGravity_m_s2);
+  LiftingBound(double mass_kg, double band_m, double gravity_m_s2 = types::kGravity_m_s2);
 
   // height_m: of the centre of mass (of the base, times the share of it by which the centre moves),
   // upwards, any origin. One that is not usable (sliding_window.h) is left out and

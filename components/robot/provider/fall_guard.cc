@@ -145,7 +145,7 @@ void FallGuard::Find() noexcept {
       break;
     case fall::Criterion::kFreeFall:
       Write("fall: free_fall, feet %.0f N of %.0f N", output_.feet.total_N(),
-            config_.detector.mass_kg * fall::kGravity_m_s2);
+            config_.detector.mass_kg * types::kGravity_m_s2);
       break;
     case fall::Criterion::kNone:
       Write("%s", "fall");

@@ -120,7 +120,7 @@ class ProviderCycle {
     if (config_.plant_may_be_armed) guard_.Arm(config_.session_id, 0);
   }
 
-  // disarm and estop count whoever sends them; arm and reset only with the cycle's own session_id,
+  // disarm and estop count from any sender; arm and reset only with the cycle's own session_id,
   // and not from a recording.
   OperatorResult Take(const OperatorCommand& command, std::uint64_t tick);
   // Every estop that the robot requires is watched and none is held (estop/watch.h); without this

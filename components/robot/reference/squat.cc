@@ -60,7 +60,7 @@ TrajectoryPtr MakeSquats(const SquatsConfig& config) {
   sine.phase_rad = 0.5 * std::numbers::pi;
   sine.duration_s = config.cycles * config.period_s;
   const double peak_m_s2 = sine.amplitude_rad * std::pow(types::kTwoPi * sine.frequency_Hz, 2);
-  if (!(peak_m_s2 < kGravity_m_s2)) {
+  if (!(peak_m_s2 < types::kGravity_m_s2)) {
     std::ostringstream message;
     message << "the base's acceleration reaches " << peak_m_s2 << " m/s2, expected less than 1 g";
     throw std::invalid_argument(message.str());
@@ -76,7 +76,7 @@ ChirpSquat::ChirpSquat(const ChirpSquatConfig& config)
       shape_peak_(
           0.5 * (std::abs(config.shape.upper_amplitude) + std::abs(config.shape.lower_amplitude))) {
   CheckDepth(config.straight_margin_m, config.depth_m);
-  if (!(config.acceleration_m_s2 > 0.0) || !(config.acceleration_m_s2 < kGravity_m_s2)) {
+  if (!(config.acceleration_m_s2 > 0.0) || !(config.acceleration_m_s2 < types::kGravity_m_s2)) {
     throw std::invalid_argument("acceleration " + std::to_string(config.acceleration_m_s2) +
                                 " m/s2, expected above 0 and below 1 g");
   }

@@ -30,13 +30,12 @@
 #include <string>
 #include <vector>
 
+#include "components/base/types/gravity.h"
 #include "components/bodies/leg/squat.h"
 #include "components/robot/reference/limits.h"
 #include "components/robot/reference/trajectory.h"
 
 namespace sinew::reference {
-
-inline constexpr double kGravity_m_s2 = 9.81;
 
 struct SquatsConfig {
   double straight_margin_m = 0.02;
@@ -49,8 +48,8 @@ TrajectoryPtr MakeSquats(const SquatsConfig& config);
 struct ChirpSquatConfig {
   double straight_margin_m = 0.02;
   double depth_m = 0.4;
-  double acceleration_m_s2 = 0.8 * kGravity_m_s2;  // above 0, below 1 g
-  ChirpConfig shape;                               // center and amplitude are not used
+  double acceleration_m_s2 = 0.8 * types::kGravity_m_s2;  // above 0, below 1 g
+  ChirpConfig shape;                                      // center and amplitude are not used
 };
 class ChirpSquat final : public Trajectory {
  public:

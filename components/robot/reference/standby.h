@@ -2,8 +2,8 @@
 // there.
 //
 // While another generator is the owner, its last points are carried on to the present tick (they
-// come a tick late), so that whoever hears the standby next hears no step. Then the own generator
-// takes over (RobotReference::TakeOver). Thread: one. noexcept, allocates nothing.
+// come a tick late), so that a reader that hears the standby next hears no step. Then the own
+// generator takes over (RobotReference::TakeOver). Thread: one. noexcept, allocates nothing.
 #pragma once
 
 #include <cstdint>

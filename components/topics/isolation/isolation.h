@@ -1,5 +1,5 @@
 // A network and a /dev/shm of a deployment's own: namespaces of Linux (namespaces(7)) that a
-// process holds, `sinew isolate NAME`. Whoever is outside cannot send a datagram to anybody inside,
+// process holds, `sinew isolate NAME`. A process outside cannot send a datagram to anybody inside,
 // other users of the host among them; programs of the same user enter, and files, folders and Unix
 // sockets at paths are the host's as before.
 //

@@ -128,7 +128,7 @@ class FilteredTransport final : public transport::ChainingTransport {
 
   static void Drop(const rtps::Locator_t& sender, std::uint32_t size, const char* why) {
     const std::uint64_t count = datagrams_dropped.fetch_add(1, std::memory_order_relaxed) + 1;
-    // The 1st, 2nd, 4th, 8th: who sends nothing else must not fill the log.
+    // The 1st, 2nd, 4th, 8th: a sender of nothing else must not fill the log.
     if (!std::has_single_bit(count)) return;
     spdlog::warn("a datagram of {} bytes from {} {} and was dropped ({} of {})", size,
                  SenderText(sender), why, count,

@@ -44,12 +44,12 @@ class WakeUp {
 };
 
 // The calling thread is out of SCHED_FIFO until it ends, on any core of the process, whatever it
-// inherited and whoever raises the others. It writes nothing to DDS. `name`: of at most 15
+// inherited and which thread raises the others. It writes nothing to DDS. `name`: of at most 15
 // characters, shown by `ps -L`.
 void BecomeHelper(const char* name) noexcept;
 
 // The calling thread writes to DDS beside the loop. What a participant sends passes one mutex,
-// which whoever sends holds: out of SCHED_FIFO it was preempted with it, for up to 37 ms while
+// which every sender holds: out of SCHED_FIFO it was preempted with it, for up to 37 ms while
 // another participant joined, and the loop did not send. Once the process is raised it is below
 // every cycle, on any core of the process.
 void BecomeWriter(const char* name) noexcept;

@@ -55,7 +55,7 @@ StopFlag::StopFlag() {
   ::sigaction(SIGINT, &action, nullptr);
   ::sigaction(SIGTERM, &action, nullptr);
   ::sigaction(SIGQUIT, &action, nullptr);  // Ctrl-\: no core file is worth motors that go on
-  // The terminal has gone: an end in order. Whoever started us with nohup wants it ignored.
+  // The terminal has gone: an end in order. A process under nohup is to ignore it.
   struct sigaction hang_up {};
   ::sigaction(SIGHUP, nullptr, &hang_up);
   if (hang_up.sa_handler != SIG_IGN) ::sigaction(SIGHUP, &action, nullptr);

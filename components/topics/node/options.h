@@ -46,7 +46,7 @@ struct Options {
 
 inline constexpr int kMostCopies = 4;
 
-// Whom a participant can stand in for.
+// The participant that one can stand in for.
 inline const std::string& RoleOf(const Options& options) {
   return options.role.empty() ? options.component : options.role;
 }

@@ -52,7 +52,7 @@ std::chrono::nanoseconds ClockOffset(std::int64_t stamp_ns,
                                      std::chrono::system_clock::time_point now) noexcept;
 
 // A participant announces itself twice in this time (leaseAnnouncement of qos_profiles.xml) and
-// answers newcomers at once: whoever writes is known by then, even if an announcement was lost.
+// answers newcomers at once: each writer is known by then, even if an announcement was lost.
 inline constexpr std::chrono::milliseconds kSettleTime(1000);
 
 // Silence after which others may have been forgotten: leaseDuration without leaseAnnouncement

@@ -42,9 +42,7 @@ msg::ComponentState ToMessage(Node::State state) {
 }  // namespace
 
 Status::Status(const std::string& component, const std::string& name)
-    : component_(component), name_(name) {
-  host_ = HostName();
-}
+    : component_(component), name_(name), host_(HostName()) {}
 
 void Status::Open(std::unique_ptr<WriterImpl> writer) {
   writer_ = std::move(writer);
@@ -63,15 +61,15 @@ void Status::Close() {
   }
   wake_up_.Give();
   if (thread_.joinable()) thread_.join();
-  // Why it ends is what an observer must hear, also one that discovery has not brought together with
-  // it yet: Fast DDS repeats the endpoints once a second (edp_heartbeat_period in EDPSimple.cpp) to
-  // those whose announcement it has heard, and one of the two repeats may be lost as well.
+  // An observer must hear why it ends, also one that discovery has not matched with it yet: Fast
+  // DDS repeats endpoints once a second (edp_heartbeat_period in EDPSimple.cpp), and a repeat may
+  // be lost.
   constexpr auto kFound = kSettleTime + 2 * std::chrono::seconds(1);
   if (writer_ && values_.state == Node::State::kFault) {
     std::this_thread::sleep_until(opened_ + kFound);
   }
-  // A reader that sees the writer go drops what it has not taken yet. One that is stopped holds the
-  // end up no longer than this.
+  // A reader that sees the writer go drops what it has not taken. Longest wait for one that is
+  // stopped.
   constexpr std::chrono::milliseconds kHeard(200);
   if (writer_) (void)writer_->WaitAcknowledged(kHeard);
   writer_.reset();

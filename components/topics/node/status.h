@@ -61,8 +61,7 @@ class Status {
   void Publish(const Values& values);
   void ReportToSystemd(const Values& values);
 
-  const std::string component_, name_;
-  std::string host_;
+  const std::string component_, name_, host_;
   SystemdLink systemd_;
   std::atomic<std::uint64_t> beats_{0}, malformed_{0}, dropped_{0};
 

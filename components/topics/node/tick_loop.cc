@@ -122,7 +122,7 @@ using internal::InputBase;
 
 namespace {
 
-// A cycle as long as that controls nothing: who claims more is not understood.
+// A cycle as long as that controls nothing: a message that declares a longer one is refused.
 constexpr double kLongestPeriod_s = 10.0;
 
 // A period that a message claims is no reason to wait for more than a second, or to overflow.

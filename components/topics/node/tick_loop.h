@@ -106,8 +106,8 @@ class TickLoop {
   void Used(std::uint64_t event_id);
 
   // Fills the header and what header.idl says of outputs. In real time nothing
-  // is published that comes later than readers wait for an owner (ownership.h): who was stopped in
-  // the middle of a cycle does not end it.
+  // is published that comes later than readers wait for an owner (ownership.h): a process that was
+  // stopped in the middle of a cycle does not end it.
   template <class Message>
   requires kBeginsWithHeader<Message>
   void Publish(Writer<Message>& writer, Message message, const Tick& tick);

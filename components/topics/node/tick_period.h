@@ -1,4 +1,4 @@
-// The time between the cycles of a loop, for whoever integrates or differentiates over it.
+// The time between the cycles of a loop, for code that integrates or differentiates over it.
 //
 // Pure, of one thread, no allocation.
 #pragma once

@@ -1,5 +1,5 @@
 // Runs a protocol over topics: joint_state and actuator_state in, joint_command and valve_command
-// out, whoever the state provider is. The hand is sim_disturbance where the provider is a
+// out, with any state provider. The hand is sim_disturbance where the provider is a
 // simulation; elsewhere a person gets the protocol's instructions.
 //
 // Ends when the protocol is done, the session ends, or the robot stops obeying. Leaves the robot

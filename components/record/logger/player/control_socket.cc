@@ -144,6 +144,10 @@ std::string AskPlayer(const fs::path& path, const std::string& line, millisecond
     throw UsageError("no player answers at " + path.string() +
                      "; is it running, on this host, by this user, under this name and domain?");
   }
+  if (const uid_t user = config::PeerOf(client.get()).uid; user != ::getuid()) {
+    throw UsageError(path.string() + ": user " + std::to_string(user) + " answers, expected " +
+                     std::to_string(::getuid()));
+  }
   const std::string request = line + "\n";
   const ssize_t size = ::send(client.get(), request.data(), request.size(), MSG_NOSIGNAL);
   if (size != static_cast<ssize_t>(request.size())) {

@@ -124,7 +124,7 @@ class InputThread {
     }
   }
 
-  // Sends and goes on reading: who waits for the answers is the loop.
+  // Sends and goes on reading: the loop waits for the answers.
   void Stop(const estop::Input& input) {
     const std::string reason = input.lost() ? input.why() : input.name();
     std::vector<Socket> pressed = PressSockets(reason);

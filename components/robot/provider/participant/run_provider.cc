@@ -190,7 +190,7 @@ class Provider {
     return "arm refused: " + why;
   }
 
-  // In the words of whoever refused it; empty: it was not.
+  // The reason of the refusal; empty: it was not refused.
   std::string ArmRefusal(OperatorResult result) const {
     switch (result) {
       case OperatorResult::kRefusedByPlant:

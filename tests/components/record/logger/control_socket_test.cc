@@ -10,6 +10,8 @@
 #include <thread>
 
 #include "components/base/config/config.h"
+#include "tests/support/skip.h"
+#include "tests/support/strange_socket.h"
 #include "tests/support/temporary_folder.h"
 
 namespace sinew::logger {
@@ -88,6 +90,19 @@ TEST(ControlSocket, WithoutAPlayerTheClientSaysWhereItLooked) {
     FAIL();
   } catch (const UsageError& error) {
     EXPECT_THAT(error.what(), HasSubstr("no player answers at " + folder.path().string()));
+  }
+}
+
+TEST(ControlSocket, AnotherUsersSocketInItsPlaceIsNoPlayer) {
+  SKIP_WITHOUT_KERNEL(::geteuid() == 0, "second user for this one");
+  const testing::TemporaryFolder folder;
+  const auto path = folder.path() / "p.sock";
+  const config::Descriptor stranger = testing::ListenAs(testing::kStranger, path);
+  try {
+    (void)AskPlayer(path, "pause", 1s);
+    FAIL();
+  } catch (const UsageError& error) {
+    EXPECT_THAT(error.what(), HasSubstr(path.string() + ": user 65534 answers, expected 0"));
   }
 }
 

@@ -20,6 +20,7 @@
 #include "components/robot/estop/socket_folder.h"
 #include "tests/support/own_folders.h"
 #include "tests/support/skip.h"
+#include "tests/support/strange_socket.h"
 #include "tests/support/temporary_folder.h"
 
 namespace sinew::estop {
@@ -285,24 +286,11 @@ TEST(EstopListener, TakesTheSocketOfOneThatWasKilledAndNotOfOneThatLives) {
   EXPECT_TRUE(std::filesystem::exists(*file.socket)) << "what is no socket is left alone";
 }
 
-// A listening socket of another user at that path, as it is seen by whoever connects.
-config::Descriptor ListenAs(uid_t user, const std::filesystem::path& path) {
-  const auto address = *config::SocketAddress(path);
-  config::Descriptor socket(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0));
-  EXPECT_EQ(::bind(socket.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
-  EXPECT_EQ(::chown(path.c_str(), user, static_cast<gid_t>(-1)), 0);
-  EXPECT_EQ(::seteuid(user), 0);
-  EXPECT_EQ(::listen(socket.get(), 4), 0);
-  EXPECT_EQ(::seteuid(0), 0);
-  return socket;
-}
-
-constexpr uid_t kStranger = 65534;
-
 TEST(EstopListener, AnAnswerOfAnotherUserDoesNotCountAndHisSocketIsPressed) {
   SKIP_WITHOUT_KERNEL(::geteuid() == 0, "second user for this one");
   const testing::TemporaryFolder folder;
-  const config::Descriptor stranger = ListenAs(kStranger, folder.path() / "socket");
+  const config::Descriptor stranger =
+      testing::ListenAs(testing::kStranger, folder.path() / "socket");
   Press press(folder.path() / "socket", "hand");
   ASSERT_TRUE(press.sent()) << press.error();
   const config::Descriptor client(::accept4(stranger.get(), nullptr, nullptr, SOCK_CLOEXEC));
@@ -313,7 +301,7 @@ TEST(EstopListener, AnAnswerOfAnotherUserDoesNotCountAndHisSocketIsPressed) {
   EXPECT_FALSE(answer.idle || answer.latched);
   EXPECT_THAT(answer.text, HasSubstr("does not count: user 65534 listens there"));
   // He may answer in a folder of his own: whoever presses there has named it.
-  ASSERT_EQ(::chown(folder.path().c_str(), kStranger, static_cast<gid_t>(-1)), 0);
+  ASSERT_EQ(::chown(folder.path().c_str(), testing::kStranger, static_cast<gid_t>(-1)), 0);
   Press own(folder.path() / "socket", "hand");
   config::Descriptor second(::accept4(stranger.get(), nullptr, nullptr, SOCK_CLOEXEC));
   EXPECT_EQ(::send(second.get(), "idle\nlatched\n", 13, MSG_NOSIGNAL), 13);
@@ -343,14 +331,15 @@ TEST(EstopListener, InAFolderThatOthersMayWriteToNobodyListensAndNoAnswerCounts)
   ASSERT_EQ(::chmod(folder.path().c_str(), 0755), 0);
   EXPECT_EQ(refusal(), "");
   if (::geteuid() != 0) return;
-  ASSERT_EQ(::chown(folder.path().c_str(), kStranger, static_cast<gid_t>(-1)), 0);
+  ASSERT_EQ(::chown(folder.path().c_str(), testing::kStranger, static_cast<gid_t>(-1)), 0);
   EXPECT_THAT(refusal(), HasSubstr("its folder belongs to user 65534"));
 }
 
 TEST(EstopListener, ASocketOfAnotherUserKeepsNoBridgeFromStarting) {
   SKIP_WITHOUT_KERNEL(::geteuid() == 0, "second user for this one");
   const testing::TemporaryFolder folder;
-  const config::Descriptor stranger = ListenAs(kStranger, folder.path() / "socket");
+  const config::Descriptor stranger =
+      testing::ListenAs(testing::kStranger, folder.path() / "socket");
   Desk desk(In(folder));
   EXPECT_THAT(desk.errors(), HasSubstr("a socket of user 65534 was there, it is replaced"));
   Press press(folder.path() / "socket", "hand");
@@ -435,7 +424,7 @@ TEST(EstopConfig, HardwareHasSocketAndLatchByDefaultAndASimulationNeither) {
 TEST(EstopConfig, TheSocketOfAUserIsInTheFolderOfHisLoginWhateverHisShellSays) {
   SKIP_WITHOUT_KERNEL(testing::HasOwnFolders({"/run", "/var/lib"}), "mounts for this user");
   ASSERT_EQ(::setenv("XDG_RUNTIME_DIR", "/tmp", 1), 0);
-  ASSERT_EQ(::setresuid(kStranger, kStranger, 0), 0);
+  ASSERT_EQ(::setresuid(testing::kStranger, testing::kStranger, 0), 0);
   const auto socket = [] { return DefaultSocket("can-bridge", 7); };
   try {
     (void)socket();
@@ -445,8 +434,8 @@ TEST(EstopConfig, TheSocketOfAUserIsInTheFolderOfHisLoginWhateverHisShellSays) {
   }
   ASSERT_EQ(::setresuid(0, 0, 0), 0);
   std::filesystem::create_directories("/run/user/65534");
-  ASSERT_EQ(::chown("/run/user/65534", kStranger, kStranger), 0);
-  ASSERT_EQ(::setresuid(kStranger, kStranger, 0), 0);
+  ASSERT_EQ(::chown("/run/user/65534", testing::kStranger, testing::kStranger), 0);
+  ASSERT_EQ(::setresuid(testing::kStranger, testing::kStranger, 0), 0);
   EXPECT_EQ(socket(), "/run/user/65534/sinew/estop-can-bridge-7.sock");
   ASSERT_EQ(::setresuid(0, 0, 0), 0);
   EXPECT_EQ(socket(), "/run/sinew/estop-can-bridge-7.sock") << "root's";

@@ -69,7 +69,7 @@ void ExpectFoundInTime(const char* name, const Fall& fall) {
     const Latency latency = fall(seed);
     ASSERT_TRUE(latency.latency_s) << name << " of seed " << seed << " was not found";
     EXPECT_LE(*latency.latency_s, kRequired_s)
-        << name << ", seed " << seed << ", by " << CriterionName(latency.criterion);
+        << name << ", seed " << seed << ", by " << static_cast<int>(latency.criterion);
     EXPECT_GE(latency.since_fall_began_s, 0.0) << name << ", seed " << seed;
     latest_s = std::max(latest_s, *latency.latency_s);
     earliest_s = std::min(earliest_s, *latency.latency_s);
@@ -83,7 +83,7 @@ void TipOver(BodyState* body, double pivot_m_s2, double step_s) {
   constexpr double kLength_m = 1.0;
   body->horizontal_m_s2 = pivot_m_s2;
   body->lean_rad_s2 =
-      (kGravity_m_s2 * std::sin(body->lean_rad) - pivot_m_s2 * std::cos(body->lean_rad)) /
+      (types::kGravity_m_s2 * std::sin(body->lean_rad) - pivot_m_s2 * std::cos(body->lean_rad)) /
       kLength_m;
   body->lean_rad_s += body->lean_rad_s2 * step_s;
   body->lean_rad += body->lean_rad_s * step_s;
@@ -134,7 +134,7 @@ TEST(FallScenarios, ACollapseOfTheLegsIsFoundInTime) {
     double sink_m_s = 0.0;
     return LatencyOf(seed, BodyState{}, &sensors, [&](BodyState* b, double, double step_s) {
       const bool on_ground = b->leg_m < 0.15;
-      b->vertical_m_s2 = on_ground ? 0.0 : -(1.0 - carried) * kGravity_m_s2;
+      b->vertical_m_s2 = on_ground ? 0.0 : -(1.0 - carried) * types::kGravity_m_s2;
       b->load_share = on_ground ? 1.0 : carried;
       sink_m_s = on_ground ? 0.0 : sink_m_s - b->vertical_m_s2 * step_s;
       b->leg_m -= sink_m_s * step_s;
@@ -158,7 +158,7 @@ TEST(FallScenarios, ACollapseInASquatIsFoundInTime) {
         return;
       }
       const bool on_ground = b->leg_m < 0.1;
-      b->vertical_m_s2 = on_ground ? 0.0 : -(1.0 - carried) * kGravity_m_s2;
+      b->vertical_m_s2 = on_ground ? 0.0 : -(1.0 - carried) * types::kGravity_m_s2;
       b->load_share = on_ground ? 1.0 : carried;
       sink_m_s = on_ground ? 0.0 : sink_m_s - b->vertical_m_s2 * step_s;
       b->leg_m -= sink_m_s * step_s;
@@ -217,7 +217,7 @@ TEST(FallScenarios, HealthySquatsRaiseNoAlarm) {
         body.right_share = 0.5 + 0.4 * std::sin(1.7 * t_s);
         body.toe_share = 0.5 + 0.45 * std::sin(2.9 * t_s);
       }
-      body.load_share = 1.0 + body.vertical_m_s2 / kGravity_m_s2;
+      body.load_share = 1.0 + body.vertical_m_s2 / types::kGravity_m_s2;
       if (time_s > shock_at_s + 0.2) {
         shock_at_s = time_s + sensors.Between(0.1, 1.0);
         ring_Hz = sensors.Between(20.0, 60.0);
@@ -230,7 +230,7 @@ TEST(FallScenarios, HealthySquatsRaiseNoAlarm) {
       const FallOutput out = detector.Step(sensors.Read(tick, time_s, body, ring * shock));
       if (time_s < kStart_s - 0.5) continue;
       ASSERT_EQ(out.state, FallState::kUpright)
-          << "seed " << seed << " at " << t_s << " s: " << CriterionName(out.criterion) << " "
+          << "seed " << seed << " at " << t_s << " s: " << static_cast<int>(out.criterion) << " "
           << UnknownName(out.unknown) << ", tilt " << out.tilt_rad << ", share "
           << out.height_share;
       most_tilt_rad = std::max(most_tilt_rad, out.tilt_rad);

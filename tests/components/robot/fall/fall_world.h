@@ -50,7 +50,7 @@ class SensorModel {
   explicit SensorModel(std::uint64_t seed, const ImuBounds& bounds = {})
       : bounds_(bounds), random_(seed) {
     const double axis_m_s2 = bounds.force_bias_m_s2 / std::sqrt(2.0);
-    force_bias_ = {Uniform(axis_m_s2), Uniform(axis_m_s2), Uniform(0.08 * kGravity_m_s2)};
+    force_bias_ = {Uniform(axis_m_s2), Uniform(axis_m_s2), Uniform(0.08 * types::kGravity_m_s2)};
     const double axis_rad_s = bounds.rate_bias_rad_s / std::sqrt(3.0);
     rate_bias_ = {Uniform(axis_rad_s), Uniform(axis_rad_s), Uniform(axis_rad_s)};
     const double drift_rad_s2 = bounds.rate_drift_rad_s2 / std::sqrt(3.0);
@@ -72,7 +72,7 @@ class SensorModel {
     const Eigen::Vector3d force = body.imu_height_m * body.lean_rad_s2 * d -
                                   body.imu_height_m * body.lean_rad_s * body.lean_rad_s * z +
                                   body.horizontal_m_s2 * horizontal +
-                                  (body.vertical_m_s2 + kGravity_m_s2) * body.up();
+                                  (body.vertical_m_s2 + types::kGravity_m_s2) * body.up();
     const Eigen::Vector3d rate = body.lean_rad_s * z.cross(d);
     FallInput input;
     input.tick = tick;
@@ -85,7 +85,7 @@ class SensorModel {
           scale_ * rate[i] + rate_bias_[i] + drift_[i] * time_s + Noise(bounds_.rate_noise_rad_s),
           bounds_.rate_range_rad_s);
     }
-    const double weight_N = body.load_share * kMass_kg * kGravity_m_s2;
+    const double weight_N = body.load_share * kMass_kg * types::kGravity_m_s2;
     for (std::size_t i = 0; i < input.feet.force_N.size(); ++i) {
       const double foot = i < 4 ? body.right_share : 1.0 - body.right_share;
       const double segment = i % 4 < 2 ? body.toe_share : 1.0 - body.toe_share;

@@ -96,17 +96,18 @@ TEST(TiltFilter, IsLateByItsStatedDelayInAFallThatTheSpecificForceDoesNotShow) {
   ImuSample imu;
   imu.valid = true;
   const ImuUse use{.rate_usable = true, .force_usable = true};
-  imu.force_m_s2 = {0.0, 0.0, kGravity_m_s2};
+  imu.force_m_s2 = {0.0, 0.0, types::kGravity_m_s2};
   for (int i = 0; i < 3000; ++i) filter.Step(imu, use, 1e-3);
   ASSERT_TRUE(filter.started());
   double lean_rad = 0.001, lean_rad_s = 0.0, truth_s = 0.0, shown_s = 0.0;
   for (int i = 1; shown_s == 0.0 && i < 10000; ++i) {
     for (int k = 0; k < 10; ++k) {
-      lean_rad_s += kGravity_m_s2 * std::sin(lean_rad) * 1e-4;
+      lean_rad_s += types::kGravity_m_s2 * std::sin(lean_rad) * 1e-4;
       lean_rad += lean_rad_s * 1e-4;
     }
     imu.rate_rad_s = {0.0, lean_rad_s, 0.0};
-    imu.force_m_s2 = {0.0, 0.0, kGravity_m_s2 * std::cos(lean_rad) - lean_rad_s * lean_rad_s};
+    imu.force_m_s2 = {0.0, 0.0,
+                      types::kGravity_m_s2 * std::cos(lean_rad) - lean_rad_s * lean_rad_s};
     filter.Step(imu, use, 1e-3);
     if (truth_s == 0.0 && lean_rad > 30.0 * types::kDegree_rad) truth_s = i * 1e-3;
     if (filter.tilt_rad() > 30.0 * types::kDegree_rad) shown_s = i * 1e-3;
@@ -161,7 +162,7 @@ TEST(TiltFilter, CoastsOnTheGyroscopeWhileTheSpecificForceIsNotNearG) {
   Rig rig(7);
   rig.Stand(3.0);
   BodyState falling;
-  falling.vertical_m_s2 = -kGravity_m_s2;
+  falling.vertical_m_s2 = -types::kGravity_m_s2;
   rig.Stand(1.0, falling);
   EXPECT_NEAR(rig.filter.coasting_s(), 1.0, 0.01);
   EXPECT_LT(rig.filter.tilt_rad(), rig.filter.error_bound_rad());

@@ -1,4 +1,4 @@
-// The player: a recording's topics into a domain, as a stand-in for who sent them.
+// The player: a recording's topics into a domain, as a stand-in for their writers.
 #include <spdlog/spdlog.h>
 
 #include "components/record/logger/player/participant/play.h"

@@ -28,8 +28,8 @@ using std::chrono::nanoseconds;
 
 constexpr int kUnacknowledged = 192;      // of the 256 samples that lockstep writers keep
 constexpr std::uint64_t kLookAhead = 64;  // ticks: topics of a recording are interleaved
-// Discovery takes some announcements (every 500 ms, qos_profiles.xml); whoever is there is seen by
-// then, and who plays into an empty domain need not wait for ever.
+// Discovery takes some announcements (every 500 ms, qos_profiles.xml); a reader that is there is
+// seen by then, and a player in an empty domain need not wait for ever.
 constexpr milliseconds kWithoutReaders(2000);
 // Between looks at the stop flag, which wakes nobody.
 constexpr milliseconds kLook(50);
