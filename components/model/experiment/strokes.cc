@@ -43,37 +43,6 @@ std::vector<Stroke> StrokesBetween(const Recording& rows, double bottom_rad, dou
   return strokes;
 }
 
-void TakeMean(const Recording& rows, const std::vector<std::size_t>& in, double* mean_rad,
-              double* variance_rad2) {
-  if (in.empty()) return;
-  std::vector<double> angles_rad;
-  for (const std::size_t i : in) angles_rad.push_back(rows[i].output_angle_rad);
-  *mean_rad = identify::Mean(angles_rad);
-  *variance_rad2 = std::pow(identify::StandardDeviation(angles_rad), 2);
-}
-
-// The contacts, from counts of the encoder averaged over rows in which the link surely rests on
-// them: let go above; below, pressed harder than what brought it there.
-void FindContacts(const Recording& rows, double bottom_rad, double top_rad, Play* play) {
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    if (rows[i].output_angle_rad > top_rad && rows[i].load_force_N < kReleased_N) {
-      play->upper_rows.push_back(i);
-    }
-  }
-  for (const Stroke& stroke : play->strokes) {
-    if (stroke.direction > 0) continue;
-    for (std::size_t i = stroke.last + 1; i < rows.size(); ++i) {
-      const Row& row = rows[i];
-      if (row.output_angle_rad > bottom_rad) break;
-      if (std::abs(row.output_velocity_rad_s) > kRest_rad_s) continue;
-      if (row.load_force_N < stroke.mean.force_N + 0.2) break;
-      play->lower_rows.push_back(i);
-    }
-  }
-  TakeMean(rows, play->upper_rows, &play->upper_rad, &play->upper_rad2);
-  TakeMean(rows, play->lower_rows, &play->lower_rad, &play->lower_rad2);
-}
-
 // The force rises above 1 N and falls below 0.3 N again.
 void FindPushes(const Recording& rows, Play* play) {
   bool pushing = false;
@@ -162,7 +131,33 @@ Play FindStrokes(const Recording& rows) {
   const double top_rad = play.upper_rad - kMarginShare * width_rad;
   const double bottom_rad = play.lower_rad + kMarginShare * width_rad;
   play.strokes = StrokesBetween(rows, bottom_rad, top_rad);
-  FindContacts(rows, bottom_rad, top_rad, &play);
+  // The contacts, from counts of the encoder averaged over rows in which the link surely rests on
+  // them: let go above; below, pressed harder than what brought it there.
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    if (rows[i].output_angle_rad > top_rad && rows[i].load_force_N < kReleased_N) {
+      play.upper_rows.push_back(i);
+    }
+  }
+  for (const Stroke& stroke : play.strokes) {
+    if (stroke.direction > 0) continue;
+    for (std::size_t i = stroke.last + 1; i < rows.size(); ++i) {
+      const Row& row = rows[i];
+      if (row.output_angle_rad > bottom_rad) break;
+      if (std::abs(row.output_velocity_rad_s) > kRest_rad_s) continue;
+      if (row.load_force_N < stroke.mean.force_N + 0.2) break;
+      play.lower_rows.push_back(i);
+    }
+  }
+  for (const bool upper : {true, false}) {
+    std::vector<double> angles_rad;
+    for (const std::size_t i : upper ? play.upper_rows : play.lower_rows) {
+      angles_rad.push_back(rows[i].output_angle_rad);
+    }
+    if (angles_rad.empty()) continue;
+    (upper ? play.upper_rad : play.lower_rad) = identify::Mean(angles_rad);
+    (upper ? play.upper_rad2 : play.lower_rad2) =
+        std::pow(identify::StandardDeviation(angles_rad), 2);
+  }
   FindPushes(rows, &play);
   return play;
 }
