@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numbers>
 #include <stdexcept>
 #include <string>
@@ -37,6 +38,14 @@ double Smooth(double x) {
 
 double Window(double local_s, double length_s, double edge_s) {
   return Smooth(local_s / edge_s) * Smooth((length_s - local_s) / edge_s);
+}
+
+// The piece of a plan at a time: the last that has begun, before the first the first.
+template <class Piece>
+const Piece& PieceAt(const std::vector<Piece>& plan, double time_s) {
+  const auto after = std::upper_bound(plan.begin(), plan.end(), time_s,
+                                      [](double t, const Piece& p) { return t < p.start_s; });
+  return after == plan.begin() ? plan.front() : *std::prev(after);
 }
 
 }  // namespace
@@ -77,100 +86,109 @@ Excitation::Excitation(const ExcitationParameters& parameters) : parameters_(par
     throw std::invalid_argument("excitation: duration, angle, force and pressures must make sense");
   }
   RandomStream random(p.seed, kStreamPlan);
-  double time_s = 0.0;
-  double centre_rad = 0.0;
-  const auto add = [&](Segment segment) {
-    segment.start_s = time_s;
-    time_s += segment.length_s + kBridge_s;
-    segments_.push_back(std::move(segment));
-  };
+  if (p.kind == ExcitationKind::kDesigned) {
+    PlanDesigned(&random);
+    PlanPressure(&random);
+    return;
+  }
+  pressure_ = {{0.0, p.kind == ExcitationKind::kSea ? 6.0 : 4.0, true}};
   if (p.kind == ExcitationKind::kTask) {
-    add({.shape = Shape::kRest, .length_s = 1.0});
-    while (time_s < p.duration_s) {
-      Segment sine{.shape = Shape::kMultisine, .length_s = 10.0};
-      sine.amplitude_rad = std::numbers::pi / 6.0;
-      sine.sines = {{1.0, 0.4, 0.0}};
-      add(std::move(sine));
-      add({.shape = Shape::kRest, .length_s = random.Uniform(0.5, 1.5)});
-    }
-    pressure_ = {{0.0, 4.0, true}};
-    return;
-  }
-
-  if (p.kind == ExcitationKind::kSea || p.kind == ExcitationKind::kPea) {
-    add({.shape = Shape::kRest, .length_s = p.duration_s});
-    pressure_ = {{0.0, p.kind == ExcitationKind::kSea ? 6.0 : 4.0, true}};
+    PlanTask(&random);
+  } else {
+    Add({.shape = Shape::kRest, .length_s = p.duration_s});
     PlanStrokes(&random);
-    return;
   }
+}
 
-  constexpr int kOrder[] = {0, 1, 3, 2, 4, 1, 5, 2, 3, 4};
-  constexpr int kKinds = sizeof kOrder / sizeof kOrder[0];
-  int next = static_cast<int>(random.Uniform(0.0, kKinds));
-  add({.shape = Shape::kRest, .length_s = random.Uniform(1.5, 3.0)});
-  bool hand = random.Uniform() < 0.5;
-  while (time_s < p.duration_s) {
+double Excitation::Planned_s() const {
+  if (segments_.empty()) return 0.0;
+  return segments_.back().start_s + (segments_.back().length_s + kBridge_s);
+}
+
+void Excitation::Add(Segment segment) {
+  segment.start_s = Planned_s();
+  segments_.push_back(std::move(segment));
+}
+
+void Excitation::PlanTask(RandomStream* random) {
+  Add({.shape = Shape::kRest, .length_s = 1.0});
+  while (Planned_s() < parameters_.duration_s) {
+    Add({.shape = Shape::kMultisine,
+         .length_s = 10.0,
+         .amplitude_rad = std::numbers::pi / 6.0,
+         .sines = {{1.0, 0.4, 0.0}}});
+    Add({.shape = Shape::kRest, .length_s = random->Uniform(0.5, 1.5)});
+  }
+}
+
+void Excitation::PlanDesigned(RandomStream* random) {
+  enum { kSines, kChirp, kRamps, kSlowRamps, kPause };
+  constexpr int kOrder[] = {kSines, kSines, kRamps, kChirp, kSlowRamps,
+                            kSines, kPause, kChirp, kRamps, kSlowRamps};
+  auto next = static_cast<std::size_t>(random->Uniform(0.0, std::size(kOrder)));
+  Add({.shape = Shape::kRest, .length_s = random->Uniform(1.5, 3.0)});
+  bool hand = random->Uniform() < 0.5;
+  for (; Planned_s() < parameters_.duration_s; ++next) {
     Segment segment;
-    centre_rad = random.Uniform(-0.25, 0.25);
-    switch (kOrder[next % kKinds]) {
-      case 0:
-      case 1:
+    segment.centre_rad = random->Uniform(-0.25, 0.25);
+    switch (kOrder[next % std::size(kOrder)]) {
+      case kSines:
         segment.shape = Shape::kMultisine;
-        segment.length_s = random.Uniform(11.0, 15.0);
-        segment.amplitude_rad = p.largest_angle_rad - std::abs(centre_rad);
-        segment.sines = MakeSines(&random, 7, 0.1, 1.7, 0.8);
+        segment.length_s = random->Uniform(11.0, 15.0);
+        segment.amplitude_rad = parameters_.largest_angle_rad - std::abs(segment.centre_rad);
+        segment.sines = MakeSines(random, 7, 0.1, 1.7, 0.8);
         break;
-      case 2:
+      case kChirp:
         segment.shape = Shape::kChirp;
-        segment.length_s = random.Uniform(9.0, 12.0);
-        segment.amplitude_rad = random.Uniform(0.4, 0.6);
+        segment.length_s = random->Uniform(9.0, 12.0);
+        segment.amplitude_rad = random->Uniform(0.4, 0.6);
         segment.start_Hz = 0.15;
-        segment.end_Hz = random.Uniform(1.8, 2.6);
+        segment.end_Hz = random->Uniform(1.8, 2.6);
         break;
-      case 3:
+      case kRamps:
         segment.shape = Shape::kTriangle;
-        segment.length_s = random.Uniform(8.0, 11.0);
-        segment.amplitude_rad = random.Uniform(0.35, 0.5);
-        segment.start_Hz = random.Uniform(0.15, 0.55);  // 0.2 to 1.1 rad/s
+        segment.length_s = random->Uniform(8.0, 11.0);
+        segment.amplitude_rad = random->Uniform(0.35, 0.5);
+        segment.start_Hz = random->Uniform(0.15, 0.55);  // 0.2 to 1.1 rad/s
         break;
-      case 4:
+      case kSlowRamps:
         segment.shape = Shape::kTriangle;
-        segment.length_s = random.Uniform(12.0, 15.0);
-        segment.amplitude_rad = random.Uniform(0.13, 0.2);
+        segment.length_s = random->Uniform(12.0, 15.0);
+        segment.amplitude_rad = random->Uniform(0.13, 0.2);
         segment.start_Hz = 1.0 / segment.length_s;  // about 0.05 rad/s
         break;
       default:
         segment.shape = Shape::kRest;
-        segment.length_s = random.Uniform(2.5, 4.0);
+        segment.length_s = random->Uniform(2.5, 4.0);
         break;
     }
-    segment.centre_rad = centre_rad;
     const bool slow = segment.shape == Shape::kRest || segment.amplitude_rad < 0.25;
     if (!slow) {
       if (hand) {
-        segment.hand_N = p.largest_hand_N * random.Uniform(0.6, 1.0);
-        segment.hand_sines = MakeSines(&random, 4, 0.15, 1.1, 0.5);
+        segment.hand_N = parameters_.largest_hand_N * random->Uniform(0.6, 1.0);
+        segment.hand_sines = MakeSines(random, 4, 0.15, 1.1, 0.5);
       }
       hand = !hand;
     }
-    add(std::move(segment));
-    ++next;
+    Add(std::move(segment));
   }
+}
 
-  double pressure_s = 0.0;
-  while (pressure_s < p.duration_s) {
-    PressureStep step;
-    step.start_s = pressure_s;
-    const double middle_bar = 0.5 * (p.lowest_pressure_bar + p.highest_pressure_bar);
-    step.target_bar = pressure_.empty()
-                          ? random.Uniform(middle_bar - 1.0, middle_bar + 1.0)
-                          : random.Uniform(p.lowest_pressure_bar, p.highest_pressure_bar);
-    pressure_s += random.Uniform(7.0, 12.0);
+void Excitation::PlanPressure(RandomStream* random) {
+  const double lowest_bar = parameters_.lowest_pressure_bar;
+  const double highest_bar = parameters_.highest_pressure_bar;
+  const double middle_bar = 0.5 * (lowest_bar + highest_bar);
+  double time_s = 0.0;
+  while (time_s < parameters_.duration_s) {
+    PressureStep step{.start_s = time_s};
+    step.target_bar = pressure_.empty() ? random->Uniform(middle_bar - 1.0, middle_bar + 1.0)
+                                        : random->Uniform(lowest_bar, highest_bar);
+    time_s += random->Uniform(7.0, 12.0);
     pressure_.push_back(step);
-    if (random.Uniform() < 0.5) {
-      step.start_s = pressure_s;
+    if (random->Uniform() < 0.5) {
+      step.start_s = time_s;
       step.valve_open = false;
-      pressure_s += random.Uniform(4.0, 7.0);
+      time_s += random->Uniform(4.0, 7.0);
       pressure_.push_back(step);
     }
   }
@@ -193,12 +211,6 @@ void Excitation::PlanStrokes(RandomStream* random) {
   }
 }
 
-const Excitation::Stroke& Excitation::StrokeAt(double time_s) const {
-  const auto after = std::upper_bound(strokes_.begin(), strokes_.end(), time_s,
-                                      [](double t, const Stroke& s) { return t < s.start_s; });
-  return after == strokes_.begin() ? strokes_.front() : *std::prev(after);
-}
-
 double Excitation::PeaHand_N(double time_s, const provider::PlantSensors& sensors) const {
   // The hand goes down and back as a raised cosine and pushes like a soft spring; it cannot pull.
   constexpr double kHand_N_rad = 150.0;
@@ -216,12 +228,6 @@ void Excitation::Prepare(RigParameters* rig) const {
   } else if (parameters_.kind == ExcitationKind::kPea) {
     rig->initial_angle_rad = 0.5 * std::numbers::pi;
   }
-}
-
-const Excitation::Segment& Excitation::At(double time_s) const {
-  const auto after = std::upper_bound(segments_.begin(), segments_.end(), time_s,
-                                      [](double t, const Segment& s) { return t < s.start_s; });
-  return after == segments_.begin() ? segments_.front() : *std::prev(after);
 }
 
 double Excitation::ShapeValue(const Segment& segment, double local_s) {
@@ -258,12 +264,12 @@ double Excitation::ShapeValue(const Segment& segment, double local_s) {
 double Excitation::Reference_rad(double time_s) const {
   if (parameters_.kind == ExcitationKind::kPea) {
     constexpr double kUpright_rad = 0.5 * std::numbers::pi;
-    const Stroke& stroke = StrokeAt(time_s);
+    const Stroke& stroke = PieceAt(strokes_, time_s);
     const double local_s = time_s - stroke.start_s;
     if (local_s < 0.0 || local_s > stroke.length_s) return kUpright_rad;
     return kUpright_rad - 0.5 * stroke.size * (1.0 - std::cos(kTwoPi * local_s / stroke.length_s));
   }
-  const Segment& segment = At(time_s);
+  const Segment& segment = PieceAt(segments_, time_s);
   const double local_s = time_s - segment.start_s;
   if (local_s <= segment.length_s) return segment.centre_rad + ShapeValue(segment, local_s);
   const bool last = &segment == &segments_.back();
@@ -274,13 +280,13 @@ double Excitation::Reference_rad(double time_s) const {
 
 double Excitation::Hand_N(double time_s) const {
   if (parameters_.kind == ExcitationKind::kSea) {
-    const Stroke& stroke = StrokeAt(time_s);
+    const Stroke& stroke = PieceAt(strokes_, time_s);
     const double local_s = time_s - stroke.start_s;
     if (local_s < 0.0 || local_s > stroke.length_s) return 0.0;
     // Pushes for a little over half of the stroke.
     return stroke.size * std::max(0.0, std::sin(kTwoPi * local_s / stroke.length_s) + 0.1) / 1.1;
   }
-  const Segment& segment = At(time_s);
+  const Segment& segment = PieceAt(segments_, time_s);
   const double local_s = time_s - segment.start_s;
   if (segment.hand_N == 0.0 || local_s > segment.length_s) return 0.0;
   double sum = 0.3;  // a hand rather rests than lifts
@@ -291,11 +297,7 @@ double Excitation::Hand_N(double time_s) const {
 }
 
 double Excitation::PressureTarget_bar(double time_s) const {
-  double target_bar = pressure_.front().target_bar;
-  for (const PressureStep& step : pressure_) {
-    if (time_s >= step.start_s) target_bar = step.target_bar;
-  }
-  return target_bar;
+  return PieceAt(pressure_, time_s).target_bar;
 }
 
 void Excitation::operator()(double time_s, const provider::PlantSensors& sensors,
@@ -339,17 +341,11 @@ void Excitation::operator()(double time_s, const provider::PlantSensors& sensors
                                            -kTorqueLimit_Nm, kTorqueLimit_Nm);
   disturbance->hand_force_N[0] = Hand_N(time_s);
 
-  bool valve_open = true;
-  double target_bar = pressure_.front().target_bar;
-  for (const PressureStep& step : pressure_) {
-    if (time_s < step.start_s) break;
-    valve_open = step.valve_open;
-    target_bar = step.target_bar;
-  }
+  const PressureStep& step = PieceAt(pressure_, time_s);
   const double reservoir_bar = sensors.reservoir_pressure_bar[0];
-  command->valve_open[0] = valve_open;
-  command->compressor_on[0] = reservoir_bar < target_bar - kPressureBand_bar;
-  command->vent_open[0] = reservoir_bar > target_bar + kPressureBand_bar;
+  command->valve_open[0] = step.valve_open;
+  command->compressor_on[0] = reservoir_bar < step.target_bar - kPressureBand_bar;
+  command->vent_open[0] = reservoir_bar > step.target_bar + kPressureBand_bar;
 }
 
 }  // namespace sinew::surrogate

@@ -83,10 +83,13 @@ class Excitation {
     double size = 0.0;  // N, or rad
   };
 
+  double Planned_s() const;  // where the next segment begins
+  void Add(Segment segment);
+  void PlanTask(RandomStream* random);
+  void PlanDesigned(RandomStream* random);
+  void PlanPressure(RandomStream* random);
   void PlanStrokes(RandomStream* random);
-  const Stroke& StrokeAt(double time_s) const;
   double PeaHand_N(double time_s, const provider::PlantSensors& sensors) const;
-  const Segment& At(double time_s) const;
   static double ShapeValue(const Segment& segment, double local_s);
   static std::vector<Sine> MakeSines(RandomStream* random, int count, double lowest_Hz,
                                      double highest_Hz, double slope);

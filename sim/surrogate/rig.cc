@@ -29,6 +29,21 @@ constexpr double kOuterShare = 0.6;
 constexpr double kOuterDamping_s = 4e-3;
 constexpr double kLongestMemory_s = 0.04;  // of late telegrams
 
+// A spring and a damper that press against a side and never pull.
+double Contact_Nm(double stiffness_Nm_rad, double damping_Nm_s_rad, double depth_rad,
+                  double angle_rad, double velocity_rad_s) noexcept {
+  const double side = angle_rad > 0.0 ? 1.0 : -1.0;
+  return side *
+         std::max(0.0, stiffness_Nm_rad * depth_rad + side * damping_Nm_s_rad * velocity_rad_s);
+}
+
+void FlowOut(Vessel* vessel, const Orifice& orifice, double open_s,
+             const PneumaticParameters& air) noexcept {
+  const double flow_kg_s = MassFlow_kg_s(orifice, vessel->pressure_Pa(), vessel->temperature_K(),
+                                         air.atmosphere_Pa, air.wall_temperature_K);
+  vessel->AddMass(-open_s * flow_kg_s, air.wall_temperature_K);
+}
+
 const RigParameters& Checked(const RigParameters& p) {
   const auto require = [](bool good, const char* what) {
     if (!good) throw std::invalid_argument(what);
@@ -250,36 +265,23 @@ double Rig::ChamberVolume_m3(double angle_rad) const noexcept {
   return std::max(volume_m3, 0.2 * parameters_.pneumatics.dead_volume_m3);
 }
 
-double Rig::MotorCount() noexcept {
-  const double seen_rad =
-      motor_rad_ + parameters_.sensors.motor_encoder_noise_rad * motor_encoder_noise_.Gaussian();
-  return std::floor(seen_rad / count_rad_ + 0.5) * count_rad_;
+double Rig::Count_rad(double angle_rad) const noexcept {
+  return std::floor(angle_rad / count_rad_ + 0.5) * count_rad_;
 }
 
-double Rig::OutputCount() noexcept {
-  const double seen_rad =
-      undeclared_.OutputEncoder_rad(output_rad_) +
-      parameters_.sensors.output_encoder_noise_rad * output_encoder_noise_.Gaussian();
-  return std::floor(seen_rad / count_rad_ + 0.5) * count_rad_;
-}
-
-void Rig::Remember() noexcept {
-  past_[past_next_] = {time_s_, motor_rad_, output_rad_, drive_.velocity_estimate_rad_s(),
-                       output_observer_.velocity_rad_s()};
-  past_next_ = (past_next_ + 1) % past_.size();
+Rig::Past Rig::Now() const noexcept {
+  return {time_s_, motor_rad_, output_rad_, drive_.velocity_estimate_rad_s(),
+          output_observer_.velocity_rad_s()};
 }
 
 Rig::Past Rig::Seen() const noexcept {
   const double late_s = undeclared_.size(Effect::kTransportDelay);
-  if (late_s > 0.0 && !past_.empty()) {
-    for (std::size_t back = 1; back <= past_.size(); ++back) {
-      const Past& then = past_[(past_next_ + past_.size() - back) % past_.size()];
-      if (then.time_s <= time_s_ - late_s) return then;
-    }
-    return past_[past_next_];
+  if (!(late_s > 0.0) || past_.empty()) return Now();
+  for (std::size_t back = 1; back <= past_.size(); ++back) {
+    const Past& then = past_[(past_next_ + past_.size() - back) % past_.size()];
+    if (then.time_s <= time_s_ - late_s) return then;
   }
-  return {time_s_, motor_rad_, output_rad_, drive_.velocity_estimate_rad_s(),
-          output_observer_.velocity_rad_s()};
+  return past_[past_next_];
 }
 
 double Rig::Play_rad() const noexcept {
@@ -297,34 +299,53 @@ void Rig::Advance(const RigInput& input, double duration_s) noexcept {
 }
 
 void Rig::Substep(const RigInput& input, double dt_s) noexcept {
-  const GearParameters& gear = parameters_.gear;
-  const LinkParameters& link = parameters_.link;
-  const PneumaticParameters& air = parameters_.pneumatics;
   undeclared_.SetTime(time_s_);
-  payload_kg_ = link.declared_payload_kg + input.extra_payload_kg + undeclared_.payload_kg();
+  payload_kg_ =
+      parameters_.link.declared_payload_kg + input.extra_payload_kg + undeclared_.payload_kg();
+  const double air_gap_Nm = StepDrive_Nm(input.drive, dt_s);
+  Drift(0.5 * dt_s);
+  undeclared_.MoveMagnet(output_rad_s_, dt_s);
+  MoveAir(input, dt_s);
+  SetTorques(dt_s);
+  KickOutput(dt_s);
+  KickRotor(air_gap_Nm, dt_s);
+  Drift(0.5 * dt_s);
+  time_s_ += dt_s;
+  if (past_.empty()) return;
+  past_[past_next_] = Now();
+  past_next_ = (past_next_ + 1) % past_.size();
+}
 
-  // Drive electronics, at their own rate.
+// The torque of the air gap. The drive's electronics work at their own rate.
+double Rig::StepDrive_Nm(const DriveCommand& command, double dt_s) noexcept {
+  const SensorParameters& s = parameters_.sensors;
   until_sensor_s_ -= dt_s;
   if (until_sensor_s_ <= 0.0) {
     until_sensor_s_ += sensor_step_s_;
-    torque_reference_Nm_ = drive_.Step(input.drive, MotorCount(), sensor_step_s_);
-    output_observer_.Step(OutputCount(), sensor_step_s_);
+    const double motor_rad =
+        Count_rad(motor_rad_ + s.motor_encoder_noise_rad * motor_encoder_noise_.Gaussian());
+    torque_reference_Nm_ = drive_.Step(command, motor_rad, sensor_step_s_);
+    const double output_rad =
+        Count_rad(undeclared_.OutputEncoder_rad(output_rad_) +
+                  s.output_encoder_noise_rad * output_encoder_noise_.Gaussian());
+    output_observer_.Step(output_rad, sensor_step_s_);
   }
   // The current loop controls the reading: the windings get the error with opposite sign.
   motor_.SetSupply(undeclared_.SupplyShare());
   const double asked_Nm = torque_reference_Nm_ - parameters_.motor.torque_constant_Nm_A *
                                                      undeclared_.size(Effect::kCurrentOffset);
   const double by_current_Nm = motor_.Step(asked_Nm, motor_rad_, motor_rad_s_, dt_s);
-  const double air_gap_Nm = by_current_Nm * undeclared_.TorqueShare(motor_.iq_A());
+  return by_current_Nm * undeclared_.TorqueShare(motor_.iq_A());
+}
 
-  // First half of the motion.
-  const double half_s = 0.5 * dt_s;
-  output_rad_ += half_s * output_rad_s_;
-  motor_rad_ += half_s * motor_rad_s_;
-  undeclared_.MoveMagnet(output_rad_s_, dt_s);
-
-  // Air.
+void Rig::Drift(double duration_s) noexcept {
+  output_rad_ += duration_s * output_rad_s_;
+  motor_rad_ += duration_s * motor_rad_s_;
   chamber_.SetVolume(ChamberVolume_m3(output_rad_));
+}
+
+void Rig::MoveAir(const RigInput& input, double dt_s) noexcept {
+  const PneumaticParameters& air = parameters_.pneumatics;
   const double opening =
       valve_relay_.Step(input.valve_open, dt_s, undeclared_.size(Effect::kValveDeadTime));
   const double compressor = compressor_relay_.Step(input.compressor_on, dt_s);
@@ -334,26 +355,14 @@ void Rig::Substep(const RigInput& input, double dt_s) noexcept {
         dt_s * opening *
         MassFlow_kg_s(air.valve, reservoir_.pressure_Pa(), reservoir_.temperature_K(),
                       chamber_.pressure_Pa(), chamber_.temperature_K());
-    const double from_reservoir_K = reservoir_.temperature_K();
     const double from_chamber_K = chamber_.temperature_K();
-    chamber_.AddMass(moved_kg, from_reservoir_K);
+    chamber_.AddMass(moved_kg, reservoir_.temperature_K());
     reservoir_.AddMass(-moved_kg, from_chamber_K);
   }
   const Orifice seal_leak{air.seal_leak.conductance_m3_sPa + undeclared_.size(Effect::kLeak),
                           air.seal_leak.critical_ratio};
-  if (seal_leak.conductance_m3_sPa > 0.0) {
-    chamber_.AddMass(
-        -dt_s * MassFlow_kg_s(seal_leak, chamber_.pressure_Pa(), chamber_.temperature_K(),
-                              air.atmosphere_Pa, air.wall_temperature_K),
-        air.wall_temperature_K);
-  }
-  if (vent > 0.0) {
-    reservoir_.AddMass(
-        -dt_s * vent *
-            MassFlow_kg_s(air.vent, reservoir_.pressure_Pa(), reservoir_.temperature_K(),
-                          air.atmosphere_Pa, air.wall_temperature_K),
-        air.wall_temperature_K);
-  }
+  if (seal_leak.conductance_m3_sPa > 0.0) FlowOut(&chamber_, seal_leak, dt_s, air);
+  if (vent > 0.0) FlowOut(&reservoir_, air.vent, dt_s * vent, air);
   if (compressor > 0.0) {
     const double gauge_bar = (reservoir_.pressure_Pa() - air.atmosphere_Pa) / kPaPerBar;
     const double share = std::clamp(1.0 - gauge_bar / air.compressor_limit_bar, 0.0, 1.0);
@@ -365,50 +374,56 @@ void Rig::Substep(const RigInput& input, double dt_s) noexcept {
     chamber_.Reset(chamber_.volume_m3(), air.atmosphere_Pa + input.imposed_pressure_bar * kPaPerBar,
                    air.wall_temperature_K);
   }
-  const double gauge_Pa = chamber_.pressure_Pa() - air.atmosphere_Pa;
-  pneumatic_Nm_ = gauge_Pa * Displacement_m3_rad(output_rad_) *
-                  undeclared_.PneumaticShare(gauge_Pa / kPaPerBar);
   const double lag_s = undeclared_.size(Effect::kPressureLag);
-  lagged_gauge_Pa_ += (gauge_Pa - lagged_gauge_Pa_) * (lag_s > 0.0 ? dt_s / (lag_s + dt_s) : 1.0);
+  lagged_gauge_Pa_ += (chamber_.pressure_Pa() - air.atmosphere_Pa - lagged_gauge_Pa_) *
+                      (lag_s > 0.0 ? dt_s / (lag_s + dt_s) : 1.0);
+}
 
-  // Teeth.
+// The torques of the present motion.
+void Rig::SetTorques(double dt_s) noexcept {
+  const double gauge_Pa = chamber_.pressure_Pa() - parameters_.pneumatics.atmosphere_Pa;
+  const double gauge_bar = gauge_Pa / kPaPerBar;
+  pneumatic_Nm_ =
+      gauge_Pa * Displacement_m3_rad(output_rad_) * undeclared_.PneumaticShare(gauge_bar);
+  tooth_Nm_ = Tooth_Nm();
+  const EffectState state{motor_rad_, motor_rad_s_, output_rad_s_,
+                          gauge_bar,  output_rad_,  motor_.temperature_degC()};
+  const double extra_Nm = undeclared_.ExtraFriction_Nm(state);
+  const double kinetic_Nm = parameters_.link.friction.kinetic_Nm;
+  const double scale = kinetic_Nm > 0.0 ? std::max(0.05, 1.0 + extra_Nm / kinetic_Nm) : 1.0;
+  friction_Nm_ = output_friction_.Step(output_rad_s_, dt_s, dry_share_ * scale);
+  undeclared_output_Nm_ = undeclared_.OutputTorque_Nm(state, dt_s);
+  undeclared_rotor_Nm_ = undeclared_.RotorTorque_Nm(state);
+}
+
+double Rig::Tooth_Nm() const noexcept {
+  const GearParameters& gear = parameters_.gear;
   const double twist_rad = motor_rad_ / gear.ratio - output_rad_;
   const double twist_rad_s = motor_rad_s_ / gear.ratio - output_rad_s_;
-  const double half_play_rad = 0.5 * Play_rad();
+  const double depth_rad = std::abs(twist_rad) - 0.5 * Play_rad();
+  if (!(depth_rad > 0.0)) return 0.0;
   // Shafts in series with the teeth take the same share off spring and damper.
   const double stiff =
       1.0 / (1.0 + gear.contact_stiffness_Nm_rad * undeclared_.size(Effect::kGearCompliance));
-  tooth_Nm_ = 0.0;
-  if (std::abs(twist_rad) > half_play_rad) {
-    const double side = twist_rad > 0.0 ? 1.0 : -1.0;
-    const double depth_rad = std::abs(twist_rad) - half_play_rad;
-    const double damping_Nm_s_rad =
-        stiff * gear.contact_damping_Nm_s_rad * depth_rad / (depth_rad + gear.damping_depth_rad);
-    tooth_Nm_ = side * std::max(0.0, stiff * gear.contact_stiffness_Nm_rad * depth_rad +
-                                         side * damping_Nm_s_rad * twist_rad_s);
-  }
+  const double damping_Nm_s_rad =
+      stiff * gear.contact_damping_Nm_s_rad * depth_rad / (depth_rad + gear.damping_depth_rad);
+  return Contact_Nm(stiff * gear.contact_stiffness_Nm_rad, damping_Nm_s_rad, depth_rad, twist_rad,
+                    twist_rad_s);
+}
 
-  // Output.
-  const EffectState effect_state{motor_rad_,           motor_rad_s_, output_rad_s_,
-                                 gauge_Pa / kPaPerBar, output_rad_,  motor_.temperature_degC()};
-  const double extra_Nm = undeclared_.ExtraFriction_Nm(effect_state);
-  const double kinetic_Nm = link.friction.kinetic_Nm;
-  const double scale = kinetic_Nm > 0.0 ? std::max(0.05, 1.0 + extra_Nm / kinetic_Nm) : 1.0;
-  friction_Nm_ = output_friction_.Step(output_rad_s_, dt_s, dry_share_ * scale);
-  undeclared_output_Nm_ = undeclared_.OutputTorque_Nm(effect_state, dt_s);
-  undeclared_rotor_Nm_ = undeclared_.RotorTorque_Nm(effect_state);
+void Rig::KickOutput(double dt_s) noexcept {
+  const LinkParameters& link = parameters_.link;
   const double arm_kg_m = payload_kg_ * link.length_m;
-  const double pushed_Nm = (input.hand_force_N + undeclared_.Bump_N()) * link.length_m;
+  const double pushed_Nm = (hand_force_N_ + undeclared_.Bump_N()) * link.length_m;
   const double tilt_rad = undeclared_.Tilt_rad();
-  const double ring_kg_m2 = undeclared_.size(Effect::kLinkInertia);
   double output_Nm = tooth_Nm_ + friction_Nm_ + undeclared_output_Nm_ + pneumatic_Nm_;
-  double output_inertia_kg_m2 = link.inertia_kg_m2 + ring_kg_m2;
+  double inertia_kg_m2 = link.inertia_kg_m2 + undeclared_.size(Effect::kLinkInertia);
   const double compliance_rad_Nm = undeclared_.size(Effect::kFlexibleLink);
   if (compliance_rad_Nm > 0.0) {
     // The outer part, the payload and the hand hang on a spring.
     const double outer_kg_m2 = kOuterShare * link.inertia_kg_m2 + arm_kg_m * link.length_m;
-    output_inertia_kg_m2 -= kOuterShare * link.inertia_kg_m2;
-    tip_rad_ += half_s * tip_rad_s_;
+    inertia_kg_m2 -= kOuterShare * link.inertia_kg_m2;
+    tip_rad_ += 0.5 * dt_s * tip_rad_s_;
     const double bent_Nm =
         (tip_rad_ - output_rad_ + kOuterDamping_s * (tip_rad_s_ - output_rad_s_)) /
         compliance_rad_Nm;
@@ -416,66 +431,56 @@ void Rig::Substep(const RigInput& input, double dt_s) noexcept {
                             (kOuterShare * link.gravity_torque_Nm + arm_kg_m * link.gravity_m_s2) *
                                 std::cos(tip_rad_ + tilt_rad);
     tip_rad_s_ += dt_s * outer_Nm / outer_kg_m2;
-    tip_rad_ += half_s * tip_rad_s_;
+    tip_rad_ += 0.5 * dt_s * tip_rad_s_;
     output_Nm +=
         bent_Nm - (1.0 - kOuterShare) * link.gravity_torque_Nm * std::cos(output_rad_ + tilt_rad);
   } else {
     output_Nm =
         output_Nm - pushed_Nm -
         (link.gravity_torque_Nm + arm_kg_m * link.gravity_m_s2) * std::cos(output_rad_ + tilt_rad);
-    output_inertia_kg_m2 += arm_kg_m * link.length_m;
+    inertia_kg_m2 += arm_kg_m * link.length_m;
     tip_rad_ = output_rad_;
     tip_rad_s_ = output_rad_s_;
   }
   const double beyond_rad = std::abs(output_rad_) - link.end_stop_rad;
   if (beyond_rad > 0.0) {
-    const double side = output_rad_ > 0.0 ? 1.0 : -1.0;
-    output_Nm -= side * std::max(0.0, link.end_stop_stiffness_Nm_rad * beyond_rad +
-                                          side * link.end_stop_damping_Nm_s_rad * output_rad_s_);
+    output_Nm -= Contact_Nm(link.end_stop_stiffness_Nm_rad, link.end_stop_damping_Nm_s_rad,
+                            beyond_rad, output_rad_, output_rad_s_);
   }
-  output_rad_s_ = (output_rad_s_ + dt_s * output_Nm / output_inertia_kg_m2) /
-                  (1.0 + dt_s * link.viscous_Nm_s_rad / output_inertia_kg_m2);
+  output_rad_s_ = (output_rad_s_ + dt_s * output_Nm / inertia_kg_m2) /
+                  (1.0 + dt_s * link.viscous_Nm_s_rad / inertia_kg_m2);
+}
 
-  // Rotor. The direction of power is blended around zero: no chatter at standstill.
+void Rig::KickRotor(double air_gap_Nm, double dt_s) noexcept {
   if (parameters_.rotor_locked) {
     motor_rad_s_ = 0.0;
-  } else {
-    double share = gear.share_drive;
-    const double share_back =
-        gear.share_back * (1.0 + undeclared_.size(Effect::kDriveEfficiencyDirection));
-    if (share_back != gear.share_drive) {
-      const double power_W = air_gap_Nm * motor_rad_s_;
-      const double forward = 0.5 * (1.0 + std::tanh(power_W / kPowerBlend_W));
-      share = forward * gear.share_drive + (1.0 - forward) * share_back;
-    }
-    const double rotor_kinetic_Nm = parameters_.rotor.friction.kinetic_Nm;
-    double rotor_scale = 1.0;
-    const double load_friction =
-        gear.load_friction + undeclared_.size(Effect::kLoadDependentFriction);
-    if (load_friction > 0.0 && rotor_kinetic_Nm > 0.0) {
-      rotor_scale += load_friction * std::abs(tooth_Nm_) / gear.ratio / rotor_kinetic_Nm;
-    }
-    const double rotor_Nm = share * air_gap_Nm + undeclared_rotor_Nm_ - tooth_Nm_ / gear.ratio +
-                            rotor_friction_.Step(motor_rad_s_, dt_s, rotor_scale);
-    const double inertia_kg_m2 = parameters_.rotor.inertia_kg_m2;
-    motor_rad_s_ =
-        (motor_rad_s_ + dt_s * rotor_Nm / inertia_kg_m2) /
-        (1.0 + dt_s * viscous_share_ * parameters_.rotor.viscous_Nm_s_rad / inertia_kg_m2);
+    return;
   }
-
-  // Second half of the motion.
-  output_rad_ += half_s * output_rad_s_;
-  motor_rad_ += half_s * motor_rad_s_;
-  chamber_.SetVolume(ChamberVolume_m3(output_rad_));
-  time_s_ += dt_s;
-  if (!past_.empty()) Remember();
+  const GearParameters& gear = parameters_.gear;
+  const RotorParameters& rotor = parameters_.rotor;
+  double share = gear.share_drive;
+  const double share_back =
+      gear.share_back * (1.0 + undeclared_.size(Effect::kDriveEfficiencyDirection));
+  if (share_back != gear.share_drive) {
+    // The direction of power is blended around zero: no chatter at standstill.
+    const double power_W = air_gap_Nm * motor_rad_s_;
+    const double forward = 0.5 * (1.0 + std::tanh(power_W / kPowerBlend_W));
+    share = forward * gear.share_drive + (1.0 - forward) * share_back;
+  }
+  double friction_scale = 1.0;
+  const double load_friction =
+      gear.load_friction + undeclared_.size(Effect::kLoadDependentFriction);
+  if (load_friction > 0.0 && rotor.friction.kinetic_Nm > 0.0) {
+    friction_scale += load_friction * std::abs(tooth_Nm_) / gear.ratio / rotor.friction.kinetic_Nm;
+  }
+  const double rotor_Nm = share * air_gap_Nm + undeclared_rotor_Nm_ - tooth_Nm_ / gear.ratio +
+                          rotor_friction_.Step(motor_rad_s_, dt_s, friction_scale);
+  motor_rad_s_ = (motor_rad_s_ + dt_s * rotor_Nm / rotor.inertia_kg_m2) /
+                 (1.0 + dt_s * viscous_share_ * rotor.viscous_Nm_s_rad / rotor.inertia_kg_m2);
 }
 
 RigReading Rig::Read() noexcept {
   const SensorParameters& s = parameters_.sensors;
-  const auto count = [this](double angle_rad) {
-    return std::floor(angle_rad / count_rad_ + 0.5) * count_rad_;
-  };
   const auto pressure_bar = [&](double true_bar, RandomStream* noise) {
     const double lsb_bar = s.pressure_range_bar / s.pressure_counts;
     const double gauge_bar = true_bar + s.pressure_noise_bar * noise->Gaussian();
@@ -489,10 +494,10 @@ RigReading Rig::Read() noexcept {
   const Past seen = Seen();
   RigReading reading;
   reading.motor_angle_rad =
-      count(seen.motor_rad + s.motor_encoder_noise_rad * row_noise_motor_.Gaussian());
+      Count_rad(seen.motor_rad + s.motor_encoder_noise_rad * row_noise_motor_.Gaussian());
   reading.motor_velocity_rad_s = seen.motor_estimate_rad_s;
-  reading.output_angle_rad = count(undeclared_.OutputEncoder_rad(seen.output_rad) +
-                                   s.output_encoder_noise_rad * row_noise_output_.Gaussian());
+  reading.output_angle_rad = Count_rad(undeclared_.OutputEncoder_rad(seen.output_rad) +
+                                       s.output_encoder_noise_rad * row_noise_output_.Gaussian());
   reading.output_velocity_rad_s = seen.output_estimate_rad_s;
   reading.motor_current_A = motor_.iq_A() + undeclared_.size(Effect::kCurrentOffset) +
                             s.current_noise_A * current_noise_.Gaussian();

@@ -116,9 +116,14 @@ class Rig {
   double Displacement_m3_rad(double angle_rad) const noexcept;
   double ChamberVolume_m3(double angle_rad) const noexcept;
   double Play_rad() const noexcept;
-  double MotorCount() noexcept;
-  void Remember() noexcept;
-  double OutputCount() noexcept;
+  double Count_rad(double angle_rad) const noexcept;  // as an encoder reads it
+  double StepDrive_Nm(const DriveCommand& command, double dt_s) noexcept;
+  void Drift(double duration_s) noexcept;
+  void MoveAir(const RigInput& input, double dt_s) noexcept;
+  void SetTorques(double dt_s) noexcept;
+  double Tooth_Nm() const noexcept;
+  void KickOutput(double dt_s) noexcept;
+  void KickRotor(double air_gap_Nm, double dt_s) noexcept;
 
   RigParameters parameters_;
   Motor motor_;
@@ -174,6 +179,7 @@ class Rig {
     double motor_estimate_rad_s = 0.0;
     double output_estimate_rad_s = 0.0;
   };
+  Past Now() const noexcept;
   Past Seen() const noexcept;  // what the encoders' telegrams report now
   std::vector<Past> past_;     // ring; empty: telegrams are not late
   std::size_t past_next_ = 0;

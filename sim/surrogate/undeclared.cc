@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <numbers>
-#include <span>
 #include <stdexcept>
 
 #include "components/base/types/angle.h"
@@ -176,7 +175,7 @@ double SlipElements(const std::array<double, kElements>& yield_rad,
 }
 
 Effect Find(const std::string& name, double size) {
-  const std::vector<EffectInfo>& all = UndeclaredEffects();
+  const std::span<const EffectInfo> all = UndeclaredEffects();
   for (std::size_t i = 0; i < all.size(); ++i) {
     if (all[i].name != name) continue;
     if (!std::isfinite(size) || size < all[i].smallest_size || size > all[i].largest_size) {

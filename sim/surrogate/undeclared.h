@@ -9,6 +9,7 @@
 
 #include <array>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -69,7 +70,7 @@ struct EffectInfo {
   bool in_catalogue;      // false: no effect of the catalogue describes it
   std::string_view mechanism;
 };
-const std::vector<EffectInfo>& UndeclaredEffects();
+std::span<const EffectInfo> UndeclaredEffects();
 
 struct EffectSpec {
   std::string name;

@@ -16,6 +16,58 @@ constexpr std::size_t kFewestRows = 6;
 constexpr double kReleased_N = 0.3;
 constexpr double kRest_rad_s = 0.01;
 
+// From below the bottom to above the top, or back.
+std::vector<Stroke> StrokesBetween(const Recording& rows, double bottom_rad, double top_rad) {
+  std::vector<Stroke> strokes;
+  int from = 0;
+  std::size_t left = 0;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const double q = rows[i].output_angle_rad;
+    const int zone = q > top_rad ? 1 : q < bottom_rad ? -1 : 0;
+    if (zone == 0) continue;
+    bool moving = from != 0 && zone == -from && i > left + kFewestRows;
+    for (std::size_t k = left + 1; moving && k < i; ++k) {
+      moving = zone * rows[k].output_velocity_rad_s > kMovedSpeed_rad_s;
+    }
+    if (moving) {
+      strokes.push_back({.direction = zone,
+                         .first = left + 1,
+                         .last = i - 1,
+                         .start_s = rows[left + 1].time_s,
+                         .valve_open = rows[i - 1].valve_open,
+                         .mean = HannMean(rows, left + 1, i - 1)});
+    }
+    from = zone;
+    left = i;
+  }
+  return strokes;
+}
+
+// The force rises above 1 N and falls below 0.3 N again.
+void FindPushes(const Recording& rows, Play* play) {
+  bool pushing = false;
+  for (const Row& row : rows) {
+    if (!pushing && row.load_force_N > 1.0) {
+      pushing = true;
+      play->pushes.push_back({.start_s = row.time_s,
+                              .pressure_bar = row.chamber_pressure_bar,
+                              .valve_open = row.valve_open});
+    }
+    if (row.load_force_N < kReleased_N) pushing = false;
+  }
+  double end_s = 1e18;
+  for (auto push = play->pushes.rbegin(); push != play->pushes.rend(); ++push) {
+    for (const Stroke& stroke : play->strokes) {
+      const bool within = stroke.start_s >= push->start_s - 0.3 && stroke.start_s < end_s;
+      if (stroke.direction > 0 || !within) continue;
+      push->passed = true;
+      push->mean = stroke.mean;
+      push->pressure_bar = stroke.mean.pressure_bar;
+    }
+    end_s = push->start_s - 0.3;
+  }
+}
+
 }  // namespace
 
 WindowMean HannMean(const Recording& rows, std::size_t first, std::size_t last) {
@@ -78,28 +130,7 @@ Play FindStrokes(const Recording& rows) {
   }
   const double top_rad = play.upper_rad - kMarginShare * width_rad;
   const double bottom_rad = play.lower_rad + kMarginShare * width_rad;
-  // zone: +1 above top, -1 below bottom, 0 between. A stroke leads from one to the other.
-  int from = 0;
-  std::size_t left = 0;
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    const double q = rows[i].output_angle_rad;
-    const int zone = q > top_rad ? 1 : q < bottom_rad ? -1 : 0;
-    if (zone == 0) continue;
-    bool moving = from != 0 && zone == -from && i > left + kFewestRows;
-    for (std::size_t k = left + 1; moving && k < i; ++k) {
-      moving = zone * rows[k].output_velocity_rad_s > kMovedSpeed_rad_s;
-    }
-    if (moving) {
-      play.strokes.push_back({.direction = zone,
-                              .first = left + 1,
-                              .last = i - 1,
-                              .start_s = rows[left + 1].time_s,
-                              .valve_open = rows[i - 1].valve_open,
-                              .mean = HannMean(rows, left + 1, i - 1)});
-    }
-    from = zone;
-    left = i;
-  }
+  play.strokes = StrokesBetween(rows, bottom_rad, top_rad);
   // The contacts, from counts of the encoder averaged over rows in which the link surely rests on
   // them: let go above; below, pressed harder than what brought it there.
   for (std::size_t i = 0; i < rows.size(); ++i) {
@@ -117,39 +148,17 @@ Play FindStrokes(const Recording& rows) {
       play.lower_rows.push_back(i);
     }
   }
-  const auto mean_of = [&rows](const std::vector<std::size_t>& in, double* variance_rad2) {
+  for (const bool upper : {true, false}) {
     std::vector<double> angles_rad;
-    angles_rad.reserve(in.size());
-    for (const std::size_t i : in) angles_rad.push_back(rows[i].output_angle_rad);
-    *variance_rad2 = std::pow(identify::StandardDeviation(angles_rad), 2);
-    return identify::Mean(angles_rad);
-  };
-  if (!play.upper_rows.empty()) play.upper_rad = mean_of(play.upper_rows, &play.upper_rad2);
-  if (!play.lower_rows.empty()) play.lower_rad = mean_of(play.lower_rows, &play.lower_rad2);
-  // Pushes: the force rises above 1 N and falls below 0.3 N again.
-  bool pushing = false;
-  for (const Row& row : rows) {
-    if (!pushing && row.load_force_N > 1.0) {
-      pushing = true;
-      play.pushes.push_back({.start_s = row.time_s,
-                             .pressure_bar = row.chamber_pressure_bar,
-                             .valve_open = row.valve_open});
+    for (const std::size_t i : upper ? play.upper_rows : play.lower_rows) {
+      angles_rad.push_back(rows[i].output_angle_rad);
     }
-    if (row.load_force_N < kReleased_N) pushing = false;
+    if (angles_rad.empty()) continue;
+    (upper ? play.upper_rad : play.lower_rad) = identify::Mean(angles_rad);
+    (upper ? play.upper_rad2 : play.lower_rad2) =
+        std::pow(identify::StandardDeviation(angles_rad), 2);
   }
-  for (std::size_t i = 0; i < play.pushes.size(); ++i) {
-    Play::Push& push = play.pushes[i];
-    const double next_s = i + 1 < play.pushes.size() ? play.pushes[i + 1].start_s : 1e18;
-    for (const Stroke& stroke : play.strokes) {
-      if (stroke.direction > 0 || stroke.start_s < push.start_s - 0.3 ||
-          stroke.start_s >= next_s - 0.3) {
-        continue;
-      }
-      push.passed = true;
-      push.mean = stroke.mean;
-      push.pressure_bar = stroke.mean.pressure_bar;
-    }
-  }
+  FindPushes(rows, &play);
   return play;
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 #include "components/base/types/median.h"
 #include "components/model/identify/too_little_data.h"
@@ -18,44 +19,77 @@ bool IsSwitch(types::Signal signal) {
          signal == types::Signal::kReferencePosition || signal == types::Signal::kSupplyVoltage;
 }
 
-// Row numbers on the grid: steps are whole periods.
-std::vector<Eigen::Index> RowNumbers(const Eigen::VectorXd& time, Eigen::Index first,
-                                     Eigen::Index count, double period) {
-  std::vector<Eigen::Index> rows(static_cast<std::size_t>(count));
-  Eigen::Index row = 0;
-  for (Eigen::Index i = 0; i < count; ++i) {
-    if (i > 0) {
-      const double steps = (time[first + i] - time[first + i - 1]) / period;
-      row += std::max<Eigen::Index>(1, static_cast<Eigen::Index>(std::llround(steps)));
-    }
-    rows[static_cast<std::size_t>(i)] = row;
-  }
-  return rows;
-}
-
-struct Line {
-  double start = 0.0;
-  double period = 0.0;
+// Rows without a gap between them, and their grid.
+struct Piece {
+  Eigen::Index from = 0;               // its first row in the recording
+  Eigen::VectorXd stamps, numbered{};  // instants: as recorded, by the grid
+  UniformSegment segment;
+  std::vector<Eigen::Index> rows{};        // grid point of each row
+  double worst_s = 0.0, squares_s2 = 0.0;  // of the stamps against the grid
+  bool stamps_only = false;
 };
 
-Line FitLine(const Eigen::VectorXd& time, Eigen::Index first,
-             const std::vector<Eigen::Index>& rows) {
+// Steps are whole periods.
+void NumberRows(Piece* piece) {
+  piece->rows.assign(static_cast<std::size_t>(piece->stamps.size()), 0);
+  for (std::size_t i = 1; i < piece->rows.size(); ++i) {
+    const auto k = static_cast<Eigen::Index>(i);
+    const double steps = (piece->stamps[k] - piece->stamps[k - 1]) / piece->segment.period_s;
+    piece->rows[i] = piece->rows[i - 1] +
+                     std::max<Eigen::Index>(1, static_cast<Eigen::Index>(std::llround(steps)));
+  }
+}
+
+void FitLine(Piece* piece) {
+  const std::vector<Eigen::Index>& rows = piece->rows;
   const double n = static_cast<double>(rows.size());
-  double mean_k = 0.0;
-  double mean_t = 0.0;
+  double mean_k = 0.0, mean_t = 0.0;
   for (std::size_t i = 0; i < rows.size(); ++i) {
     mean_k += static_cast<double>(rows[i]) / n;
-    mean_t += time[first + static_cast<Eigen::Index>(i)] / n;
+    mean_t += piece->stamps[static_cast<Eigen::Index>(i)] / n;
   }
-  double kk = 0.0;
-  double kt = 0.0;
+  double kk = 0.0, kt = 0.0;
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const double k = static_cast<double>(rows[i]) - mean_k;
     kk += k * k;
-    kt += k * (time[first + static_cast<Eigen::Index>(i)] - mean_t);
+    kt += k * (piece->stamps[static_cast<Eigen::Index>(i)] - mean_t);
   }
-  const double period = kt / kk;
-  return {mean_t - period * mean_k, period};
+  piece->segment.period_s = kt / kk;
+  piece->segment.start_s = mean_t - piece->segment.period_s * mean_k;
+}
+
+void MeasureStamps(Piece* piece) {
+  piece->worst_s = piece->squares_s2 = 0.0;
+  piece->numbered.resize(piece->stamps.size());
+  for (Eigen::Index i = 0; i < piece->stamps.size(); ++i) {
+    piece->numbered[i] = piece->segment.Time(piece->rows[static_cast<std::size_t>(i)]);
+    const double error_s = piece->stamps[i] - piece->numbered[i];
+    piece->squares_s2 += error_s * error_s;
+    piece->worst_s = std::max(piece->worst_s, std::abs(error_s));
+  }
+}
+
+Piece FitPiece(const Eigen::VectorXd& time, Eigen::Index from, Eigen::Index count, double median) {
+  Piece piece{.from = from, .stamps = time.segment(from, count), .segment = {.period_s = median}};
+  for (int round = 0; round < 4; ++round) {
+    NumberRows(&piece);
+    FitLine(&piece);
+  }
+  MeasureStamps(&piece);
+  // Rows that no even count explains (the logger changed its rate, or never had one): stamps
+  // alone give the instants, and a row's number is that of the nearest grid point.
+  UniformSegment& segment = piece.segment;
+  piece.stamps_only =
+      piece.squares_s2 > 0.25 * segment.period_s * segment.period_s * static_cast<double>(count);
+  if (!piece.stamps_only) return piece;
+  segment.start_s = piece.stamps[0];
+  segment.period_s = median;
+  for (Eigen::Index i = 0; i < count; ++i) {
+    piece.rows[static_cast<std::size_t>(i)] = static_cast<Eigen::Index>(
+        std::llround((piece.stamps[i] - segment.start_s) / segment.period_s));
+  }
+  MeasureStamps(&piece);
+  return piece;
 }
 
 // A measure of roughness: mean square fourth difference.
@@ -76,6 +110,41 @@ Eigen::VectorXd HoldAt(const Eigen::VectorXd& x, const Eigen::VectorXd& y,
     out[i] = y[k];
   }
   return out;
+}
+
+Eigen::VectorXd GridTimes(const UniformSegment& segment) {
+  Eigen::VectorXd grid(segment.size());
+  for (Eigen::Index i = 0; i < grid.size(); ++i) grid[i] = segment.Time(i);
+  return grid;
+}
+
+// The stamps are the true instants, rather than the row numbers: they make the position smoother.
+bool StampsAreSmoother(const types::Run& run, const Piece& piece) {
+  const Eigen::VectorXd grid = GridTimes(piece.segment);
+  for (const types::Signal signal : {types::Signal::kMotorPosition, types::Signal::kPosition}) {
+    if (!run.Has(signal)) continue;
+    const Eigen::VectorXd values = run.At(signal).segment(piece.from, piece.stamps.size());
+    return Roughness(SplineAt(piece.stamps, values, grid)) <
+           1.5 * Roughness(SplineAt(piece.numbered, values, grid));
+  }
+  return true;
+}
+
+// Signals on the grid, from rows that were sampled at the given instants.
+void Resample(const types::Run& run, const Eigen::VectorXd& at, Piece* piece) {
+  UniformSegment& segment = piece->segment;
+  const Eigen::VectorXd grid = GridTimes(segment);
+  for (const auto& [signal, values] : run.signals) {
+    const Eigen::VectorXd own = values.segment(piece->from, at.size());
+    segment.signals[signal] = IsSwitch(signal) ? HoldAt(at, own, grid) : SplineAt(at, own, grid);
+  }
+  segment.row.assign(segment.valid.size(), -1);
+  segment.sampled_s = grid;
+  for (Eigen::Index i = 0; i < at.size(); ++i) {
+    const Eigen::Index k = piece->rows[static_cast<std::size_t>(i)];
+    segment.row[static_cast<std::size_t>(k)] = piece->from + i;
+    segment.sampled_s[k] = at[i];
+  }
 }
 
 }  // namespace
@@ -149,104 +218,37 @@ UniformRun MakeUniform(const types::Run& run, double longest_gap_s, int fewest_r
     Eigen::Index last = first;
     while (last + 1 < time.size() && steps[last] <= gap) ++last;
     const Eigen::Index count = last - first + 1;
-    const Eigen::Index from = first;
-    first = last + 1;
+    const Eigen::Index from = std::exchange(first, last + 1);
     if (count < fewest_rows) {
       out.sampling.dropped_rows += count;
       continue;
     }
-    std::vector<Eigen::Index> rows = RowNumbers(time, from, count, median);
-    Line line = FitLine(time, from, rows);
-    for (int round = 0; round < 3; ++round) {
-      rows = RowNumbers(time, from, count, line.period);
-      line = FitLine(time, from, rows);
-    }
-    double worst = 0.0;
-    double squares = 0.0;
-    const auto measure = [&] {
-      worst = squares = 0.0;
-      for (Eigen::Index i = 0; i < count; ++i) {
-        const double error =
-            time[from + i] -
-            (line.start + line.period * static_cast<double>(rows[static_cast<std::size_t>(i)]));
-        squares += error * error;
-        worst = std::max(worst, std::abs(error));
-      }
-    };
-    measure();
-    // Rows that no even count explains (the logger changed its rate, or never had one): stamps
-    // alone give the instants, and a row's number is that of the nearest grid point.
-    const bool stamps_only =
-        squares > 0.25 * line.period * line.period * static_cast<double>(count);
-    if (stamps_only) {
-      line = {time[from], median};
-      for (Eigen::Index i = 0; i < count; ++i) {
-        rows[static_cast<std::size_t>(i)] =
-            static_cast<Eigen::Index>(std::llround((time[from + i] - line.start) / line.period));
-      }
-      measure();
-    }
-    jitter_squares += squares;
-    const Eigen::Index size = rows.back() + 1;
-    rate_sum += static_cast<double>(count) / line.period;
+    Piece piece = FitPiece(time, from, count, median);
+    UniformSegment& segment = piece.segment;
+    jitter_squares += piece.squares_s2;
+    rate_sum += static_cast<double>(count) / segment.period_s;
     rate_rows += static_cast<double>(count);
-    // Between two rows; where only stamps count, one grid point without a row is no loss.
-    const Eigen::Index hole = stamps_only ? 3 : 2;
-    for (std::size_t i = 0; i + 1 < rows.size(); ++i) {
-      const Eigen::Index step = rows[i + 1] - rows[i];
-      if (step >= hole) out.sampling.lost_rows += step - 1;
-    }
-
-    UniformSegment segment;
-    segment.start_s = line.start;
-    segment.period_s = line.period;
-    segment.valid.assign(static_cast<std::size_t>(size), 1);
-    const bool even = worst < 1e-3 * line.period && size == count;
+    segment.valid.assign(static_cast<std::size_t>(piece.rows.back() + 1), 1);
+    const bool even = piece.worst_s < 1e-3 * segment.period_s && segment.size() == count;
     out.sampling.even = out.sampling.even && even;
+    // Between two rows; where only stamps count, one grid point without a row is no loss.
+    const Eigen::Index hole = piece.stamps_only ? 3 : 2;
+    for (std::size_t i = 0; i + 1 < piece.rows.size(); ++i) {
+      const Eigen::Index step = piece.rows[i + 1] - piece.rows[i];
+      if (step < hole) continue;
+      out.sampling.lost_rows += step - 1;
+      if (!even) std::fill_n(segment.valid.begin() + piece.rows[i], step + 1, 0);  // and its rims
+    }
     if (even) {
       for (const auto& [signal, values] : run.signals) {
         segment.signals[signal] = values.segment(from, count);
       }
-      out.segments.push_back(std::move(segment));
-      continue;
-    }
-    Eigen::VectorXd grid(size);
-    for (Eigen::Index i = 0; i < size; ++i) grid[i] = segment.Time(i);
-    const Eigen::VectorXd stamps = time.segment(from, count);
-    Eigen::VectorXd numbered(count);
-    for (Eigen::Index i = 0; i < count; ++i) {
-      numbered[i] = segment.Time(rows[static_cast<std::size_t>(i)]);
-    }
-    if (stamps_only) {
-      out.sampling.stamps_used = decided = true;
-    } else if (!decided) {
-      decided = true;
-      for (const types::Signal signal : {types::Signal::kMotorPosition, types::Signal::kPosition}) {
-        if (!run.Has(signal)) continue;
-        const Eigen::VectorXd values = run.At(signal).segment(from, count);
-        out.sampling.stamps_used = Roughness(SplineAt(stamps, values, grid)) <
-                                   1.5 * Roughness(SplineAt(numbered, values, grid));
-        break;
+    } else {
+      if (piece.stamps_only || !decided) {
+        out.sampling.stamps_used = piece.stamps_only || StampsAreSmoother(run, piece);
+        decided = true;
       }
-    }
-    const Eigen::VectorXd& at = out.sampling.stamps_used ? stamps : numbered;
-    for (const auto& [signal, values] : run.signals) {
-      const Eigen::VectorXd piece = values.segment(from, count);
-      segment.signals[signal] =
-          IsSwitch(signal) ? HoldAt(at, piece, grid) : SplineAt(at, piece, grid);
-    }
-    segment.row.assign(static_cast<std::size_t>(size), -1);
-    segment.sampled_s = grid;
-    for (Eigen::Index i = 0; i < count; ++i) {
-      const auto k = static_cast<std::size_t>(rows[static_cast<std::size_t>(i)]);
-      segment.row[k] = from + i;
-      segment.sampled_s[static_cast<Eigen::Index>(k)] = at[i];
-    }
-    for (std::size_t i = 0; i + 1 < rows.size(); ++i) {  // holes and their rims
-      if (rows[i + 1] - rows[i] < hole) continue;
-      for (Eigen::Index k = rows[i]; k <= rows[i + 1]; ++k) {
-        segment.valid[static_cast<std::size_t>(k)] = 0;
-      }
+      Resample(run, out.sampling.stamps_used ? piece.stamps : piece.numbered, &piece);
     }
     out.segments.push_back(std::move(segment));
   }
@@ -273,9 +275,7 @@ Eigen::VectorXd AsMeasured(const types::Run& run, const UniformSegment& segment,
 
 Eigen::VectorXd AtRows(const UniformSegment& segment, const Eigen::VectorXd& smooth) {
   if (segment.row.empty() || smooth.size() == 0) return smooth;
-  Eigen::VectorXd grid(segment.size());
-  for (Eigen::Index i = 0; i < grid.size(); ++i) grid[i] = segment.Time(i);
-  return SplineAt(grid, smooth, segment.sampled_s);
+  return SplineAt(GridTimes(segment), smooth, segment.sampled_s);
 }
 
 }  // namespace sinew::identify

@@ -282,9 +282,6 @@ double JointController::FeedForward(const JointInput& input, const Point& target
 JointOutput JointController::Push(const JointInput& input) noexcept {
   const MeasuredJointState& m = *input.measured;
   if (!m.actuator_valid) return Damping(m);
-  double limit_Nm = config_.motor_torque_limit_Nm;
-  if (motion_.motor_torque_limit_Nm > 0.0)
-    limit_Nm = std::min(limit_Nm, motion_.motor_torque_limit_Nm);
   const double motor_rad = m.motor_position_rad / config_.gear_ratio;
   const double motor_rad_s = m.motor_velocity_rad_s / config_.gear_ratio;
   const double step_rad = motion_.velocity_limit_rad_s * input.period_s;
@@ -294,9 +291,7 @@ JointOutput JointController::Push(const JointInput& input) noexcept {
       config_.shaft_per_output *
       pid_.Step(push_at_rad_ - motor_rad, way_rad / input.period_s - motor_rad_s, input.period_s);
   JointOutput output;
-  output.mode = types::ControlMode::kTorque;
-  output.motor_torque_Nm = std::clamp(wanted_Nm, -limit_Nm, limit_Nm);
-  output.saturated = output.motor_torque_Nm != wanted_Nm;
+  SetTorque(wanted_Nm, &output);
   if (output.saturated) {
     push_at_rad_ -= way_rad;  // waits for the motor
     pid_.Limited((output.motor_torque_Nm - wanted_Nm) / config_.shaft_per_output, input.period_s);
@@ -308,49 +303,56 @@ JointOutput JointController::Push(const JointInput& input) noexcept {
   return output;
 }
 
+void JointController::SetTorque(double wanted_Nm, JointOutput* output) const noexcept {
+  double limit_Nm = config_.motor_torque_limit_Nm;
+  const bool ordered = aim_ == Aim::kMove || aim_ == Aim::kPush;
+  if (ordered && motion_.motor_torque_limit_Nm > 0.0) {
+    limit_Nm = std::min(limit_Nm, motion_.motor_torque_limit_Nm);
+  }
+  output->mode = types::ControlMode::kTorque;
+  output->motor_torque_Nm = std::clamp(wanted_Nm, -limit_Nm, limit_Nm);
+  output->saturated = output->motor_torque_Nm != wanted_Nm;
+}
+
 JointController::Result JointController::Step(const JointInput& input) noexcept {
   Result result;
+  if (latched_ == Fault::kNone) latched_ = Command(input, &result);
+  if (latched_ == Fault::kNone) return result;
+  result.fault = latched_;
+  result.output = JointOutput{};
+  result.output.position_rad = target_.position_rad;
+  return result;
+}
+
+Fault JointController::Command(const JointInput& input, Result* result) noexcept {
   MeasuredJointState m = *input.measured;
-  if (latched_ != Fault::kNone) {
-    result.fault = latched_;
-    result.output.position_rad = target_.position_rad;
-    return result;
-  }
-  const auto latch = [this, &result](Fault fault) {
-    latched_ = result.fault = fault;
-    result.output = JointOutput{};
-    result.output.position_rad = target_.position_rad;
-    return result;
-  };
   if (m.actuator_valid && !ActuatorFinite(m)) {
     m.actuator_valid = false;
-    result.stale = true;
+    result->stale = true;
   }
   if (m.valid && !(std::isfinite(m.position_rad) && std::isfinite(m.velocity_rad_s))) {
-    return latch(Fault::kNonFiniteState);
+    return Fault::kNonFiniteState;
   }
   if (input.reference_expected && input.reference_fresh && !Finite(input.reference)) {
-    return latch(Fault::kNonFiniteReference);
+    return Fault::kNonFiniteReference;
   }
-  if (!(input.period_s > 0.0)) return latch(Fault::kNonFiniteState);
+  if (!(input.period_s > 0.0)) return Fault::kNonFiniteState;
   if (m.actuator_valid) last_actuator_ = m;
   if (!m.valid) {  // where it is is not known: nothing to regulate
-    result.output = Damping(m);
-    result.stale = true;
+    result->output = Damping(m);
+    result->stale = true;
     last_position_known_ = false;
-    return result;
+    return Fault::kNone;
   }
   if (!m.actuator_valid &&
       (config_.velocity_from == VelocityFrom::kMotor || config_.strategy == Strategy::kPidLinear)) {
-    result.stale = true;  // goes on with output velocity and the last pressure
+    result->stale = true;  // goes on with output velocity and the last pressure
   }
-  if (!started_) {
+  const bool rests = aim_ == Aim::kHold && motion_.kind == types::Motion::kNone;
+  if (!started_ || (input.stands_by && rests)) {
     started_ = true;
     target_ = {m.position_rad, 0.0, 0.0};
     aim_ = Aim::kHold;
-  }
-  if (input.stands_by && aim_ == Aim::kHold && motion_.kind == types::Motion::kNone) {
-    target_ = {m.position_rad, 0.0, 0.0};
   }
 
   JointInput now = input;
@@ -359,73 +361,66 @@ JointController::Result JointController::Step(const JointInput& input) noexcept 
   const Aim before_aim = aim_;
   ChooseAim(now);
   if (before_aim == Aim::kPush && aim_ != Aim::kPush) pid_.Reset();  // it was the motor's own
-  if (input.reference_expected && !input.reference_fresh) result.stale = true;
-  const bool lost = input.reference_expected && !now.reference_fresh;
+  if (input.reference_expected && !input.reference_fresh) result->stale = true;
+  JointOutput& output = result->output;
   if (aim_ == Aim::kPush) {
-    result.output = Push(now);
-    if (!std::isfinite(result.output.motor_torque_Nm) ||
-        !std::isfinite(result.output.position_rad)) {
-      return latch(Fault::kNonFiniteOutput);
-    }
-    return result;
+    output = Push(now);
+    const bool finite = std::isfinite(output.motor_torque_Nm) && std::isfinite(output.position_rad);
+    return finite ? Fault::kNone : Fault::kNonFiniteOutput;
   }
 
   const Point target = Target(now);
   // A finite reference far away and the step to it may add up to more than a number holds.
-  if (!Finite(target)) return latch(Fault::kNonFiniteReference);
+  if (!Finite(target)) return Fault::kNonFiniteReference;
   target_ = target;
   const double velocity_rad_s = MeasuredVelocity(m, input.period_s);
   if (config_.tracking_error_limit_rad > 0.0 && aim_ == Aim::kReference &&
       std::abs(target_.position_rad - m.position_rad) > config_.tracking_error_limit_rad) {
-    if (!input.stands_by) return latch(Fault::kTrackingError);
+    if (!input.stands_by) return Fault::kTrackingError;
     // Another one moves the joint: the error is not of these commands. After a stop of this process
     // it is that of an old target. The reference is taken up anew, from where the joint is.
     target_ = {m.position_rad, 0.0, 0.0};
     aim_ = Aim::kHold;
   }
-  const double error_rad = target_.position_rad - m.position_rad;
-
-  JointOutput& output = result.output;
   output.position_rad = target_.position_rad;
   output.velocity_rad_s = target_.velocity_rad_s;
   if (config_.strategy == Strategy::kPosition) {
     output.mode = types::ControlMode::kPosition;
-    return result;
+    return Fault::kNone;
   }
-  if (lost && config_.on_stale == OnStale::kDamp) {
-    result.output = Damping(m);
-    return result;
+  if (input.reference_expected && !now.reference_fresh && config_.on_stale == OnStale::kDamp) {
+    output = Damping(m);
+    return Fault::kNone;
   }
   if (UsesPrediction(config_.strategy) && now.prediction_fresh && now.prediction.valid &&
       !(std::isfinite(now.prediction.sea_torque_Nm) &&
         std::isfinite(now.prediction.pea_torque_Nm) && std::isfinite(now.prediction.torque_Nm))) {
     now.prediction.valid = false;
-    result.fault = Fault::kNonFinitePrediction;
-    result.stale = true;
+    result->fault = Fault::kNonFinitePrediction;
+    result->stale = true;
   }
+  return Regulate(now, velocity_rad_s, &output);
+}
 
-  output.compensation_Nm = FeedForward(now, target_);
+Fault JointController::Regulate(const JointInput& input, double velocity_rad_s,
+                                JointOutput* output) noexcept {
+  output->compensation_Nm = FeedForward(input, target_);
   const Pid before = pid_;
+  const double error_rad = target_.position_rad - input.measured->position_rad;
   const double rate_rad_s =
       (config_.derivative_of == DerivativeOf::kError ? target_.velocity_rad_s : 0.0) -
       velocity_rad_s;
   const double feedback_Nm =
       config_.shaft_per_output * pid_.Step(error_rad, rate_rad_s, input.period_s);
-  double limit_Nm = config_.motor_torque_limit_Nm;
-  if (aim_ == Aim::kMove && motion_.motor_torque_limit_Nm > 0.0) {
-    limit_Nm = std::min(limit_Nm, motion_.motor_torque_limit_Nm);
-  }
-  const double wanted_Nm = feedback_Nm + output.compensation_Nm;
-  if (!std::isfinite(wanted_Nm)) return latch(Fault::kNonFiniteOutput);
-  output.mode = types::ControlMode::kTorque;
-  output.motor_torque_Nm = std::clamp(wanted_Nm, -limit_Nm, limit_Nm);
-  output.saturated = output.motor_torque_Nm != wanted_Nm;
+  const double wanted_Nm = feedback_Nm + output->compensation_Nm;
+  if (!std::isfinite(wanted_Nm)) return Fault::kNonFiniteOutput;
+  SetTorque(wanted_Nm, output);
   if (input.interrupted) {
     pid_ = before;  // the robot did not get these commands: nothing to learn from their errors
-  } else if (output.saturated) {
-    pid_.Limited((output.motor_torque_Nm - wanted_Nm) / config_.shaft_per_output, input.period_s);
+  } else if (output->saturated) {
+    pid_.Limited((output->motor_torque_Nm - wanted_Nm) / config_.shaft_per_output, input.period_s);
   }
-  return result;
+  return Fault::kNone;
 }
 
 }  // namespace sinew::control

@@ -158,6 +158,10 @@ class JointController {
   double FeedForward(const JointInput& input, const Point& target) noexcept;
   JointOutput Damping(const MeasuredJointState& m) const noexcept;
   JointOutput Push(const JointInput& input) noexcept;
+  void SetTorque(double wanted_Nm, JointOutput* output) const noexcept;  // within its limit
+  // The command of a cycle; returns the fault that latches.
+  Fault Command(const JointInput& input, Result* result) noexcept;
+  Fault Regulate(const JointInput& input, double velocity_rad_s, JointOutput* output) noexcept;
 
   JointControlConfig config_;
   Pid pid_;

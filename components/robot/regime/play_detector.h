@@ -64,7 +64,15 @@ class PlayDetector {
  private:
   static constexpr int kWindow = 16;
 
-  double Recent(int age) const noexcept { return alpha_[(next_ + kWindow - 1 - age) % kWindow]; }
+  double Threshold_rad(double sigma_rad) const noexcept;
+  // Into the play from a contact: of the sample `age` samples ago; of the newest samples.
+  double Distance(Contact contact, int age) const noexcept {
+    const double alpha_rad = alpha_[(next_ + kWindow - 1 - age) % kWindow];
+    return contact == Contact::kUpper ? config_.backlash_rad - alpha_rad : alpha_rad;
+  }
+  double Sum(Contact contact, int samples) const noexcept;
+  bool Leaves(double threshold, double sigma) const noexcept;
+  bool Reaches(Contact side, double threshold, double sigma) const noexcept;
 
   PlayConfig config_;
   double sigma_rad_;

@@ -20,22 +20,6 @@ constexpr std::string_view kSchema = "sinew-esn/1";
 
 // ---- reading
 
-// A place in the file, for messages: "weights.json: key 'bias[3]': ...".
-struct Place {
-  const std::string& file;
-  std::string key;
-
-  Place operator[](std::string_view child) const {
-    return {file, key.empty() ? std::string(child) : key + "." + std::string(child)};
-  }
-  Place operator[](std::size_t index) const {
-    return {file, key + "[" + std::to_string(index) + "]"};
-  }
-  [[noreturn]] void Fail(const std::string& what) const {
-    throw UsageError(file + ": key '" + key + "': " + what);
-  }
-};
-
 std::string Shown(const Json& json) {
   std::string text = json.is_array()    ? "an array"
                      : json.is_object() ? "an object"
@@ -44,181 +28,183 @@ std::string Shown(const Json& json) {
   return text;
 }
 
-const Json& Member(const Json& object, const Place& place, std::string_view key) {
-  const auto found = object.find(std::string(key));
-  if (found == object.end()) place[key].Fail("missing, expected by schema " + std::string(kSchema));
-  return *found;
-}
+// A value and its place in the file, for messages: "weights.json: key 'bias[3]': ...".
+struct Place {
+  const Json& json;
+  const std::string& file;
+  std::string key;
 
-void RejectOtherKeys(const Json& object, const Place& place,
-                     std::initializer_list<std::string_view> known) {
-  for (const auto& item : object.items()) {
+  Place operator[](std::string_view child) const {
+    const auto found = json.find(std::string(child));
+    const bool there = found != json.end();
+    const Place place{there ? *found : json, file,
+                      key.empty() ? std::string(child) : key + "." + std::string(child)};
+    if (!there) place.Fail("missing, expected by schema " + std::string(kSchema));
+    return place;
+  }
+  Place operator[](std::size_t index) const {
+    return {json[index], file, key + "[" + std::to_string(index) + "]"};
+  }
+  [[noreturn]] void Fail(const std::string& what) const {
+    throw UsageError(file + ": key '" + key + "': " + what);
+  }
+};
+
+void RejectOtherKeys(const Place& at, std::initializer_list<std::string_view> known) {
+  for (const auto& item : at.json.items()) {
     if (std::find(known.begin(), known.end(), item.key()) == known.end()) {
       std::string names;
       for (const std::string_view name : known)
         names += (names.empty() ? "" : ", ") + std::string(name);
-      place[item.key()].Fail("unknown, expected " + names);
+      at[item.key()].Fail("unknown, expected " + names);
     }
   }
 }
 
-void ExpectObject(const Json& json, const Place& place) {
-  if (!json.is_object()) place.Fail(Shown(json) + ", expected an object");
+void ExpectObject(const Place& at, std::initializer_list<std::string_view> keys) {
+  if (!at.json.is_object()) at.Fail(Shown(at.json) + ", expected an object");
+  RejectOtherKeys(at, keys);
 }
 
-double ReadNumber(const Json& json, const Place& place) {
-  if (!json.is_number()) place.Fail(Shown(json) + ", expected a finite number");
-  const double value = json.get<double>();
-  if (!std::isfinite(value)) place.Fail("expected a finite number");
+double ReadNumber(const Place& at) {
+  if (!at.json.is_number()) at.Fail(Shown(at.json) + ", expected a finite number");
+  const double value = at.json.get<double>();
+  if (!std::isfinite(value)) at.Fail("expected a finite number");
   return value;
 }
 
-int ReadInt(const Json& json, const Place& place) {
-  if (!json.is_number_integer()) place.Fail(Shown(json) + ", expected a whole number");
+int ReadInt(const Place& at) {
+  const Json& json = at.json;
+  if (!json.is_number_integer()) at.Fail(Shown(json) + ", expected a whole number");
   const bool fits = json.is_number_unsigned() ? json.get<std::uint64_t>() <= 1'000'000'000u
                                               : std::abs(json.get<std::int64_t>()) <= 1'000'000'000;
-  if (!fits) place.Fail(Shown(json) + ", expected a whole number of at most 9 digits");
+  if (!fits) at.Fail(Shown(json) + ", expected a whole number of at most 9 digits");
   return json.get<int>();
 }
 
-std::string ReadText(const Json& json, const Place& place) {
-  if (!json.is_string()) place.Fail(Shown(json) + ", expected a text");
-  return json.get<std::string>();
+std::string ReadText(const Place& at) {
+  if (!at.json.is_string()) at.Fail(Shown(at.json) + ", expected a text");
+  return at.json.get<std::string>();
 }
 
-// Rows of equal length: expected.first x expected.second.
+void ExpectNumbers(const Place& at, int count, const char* what, const std::string& expected) {
+  const Json& json = at.json;
+  if (json.is_array() && json.size() == static_cast<std::size_t>(count)) return;
+  at.Fail((json.is_array() ? std::to_string(json.size()) + what : Shown(json)) + ", expected " +
+          std::to_string(count) + expected);
+}
+
+// Rows of equal length: rows x columns.
 template <class Read>
-void ReadRows(const Json& json, const Place& place, int rows, int columns, const Read& read) {
-  if (!json.is_array() || json.size() != static_cast<std::size_t>(rows)) {
-    place.Fail((json.is_array() ? std::to_string(json.size()) + " rows" : Shown(json)) +
-               ", expected " + std::to_string(rows) + " rows of " + std::to_string(columns));
-  }
-  for (std::size_t r = 0; r < json.size(); ++r) {
-    const Json& row = json[r];
-    if (!row.is_array() || row.size() != static_cast<std::size_t>(columns)) {
-      place[r].Fail((row.is_array() ? std::to_string(row.size()) + " numbers" : Shown(row)) +
-                    ", expected " + std::to_string(columns));
-    }
-    for (std::size_t c = 0; c < row.size(); ++c) read(row[c], place[r][c], r, c);
+void ReadRows(const Place& at, int rows, int columns, const Read& read) {
+  ExpectNumbers(at, rows, " rows", " rows of " + std::to_string(columns));
+  for (std::size_t r = 0; r < at.json.size(); ++r) {
+    const Place row = at[r];
+    ExpectNumbers(row, columns, " numbers", "");
+    for (std::size_t c = 0; c < row.json.size(); ++c) read(row[c], r, c);
   }
 }
 
-Eigen::MatrixXd ReadMatrix(const Json& json, const Place& place, int rows, int columns) {
+Eigen::MatrixXd ReadMatrix(const Place& at, int rows, int columns) {
   Eigen::MatrixXd matrix(rows, columns);
-  ReadRows(json, place, rows, columns,
-           [&](const Json& number, const Place& at, std::size_t r, std::size_t c) {
-             matrix(static_cast<Eigen::Index>(r), static_cast<Eigen::Index>(c)) =
-                 ReadNumber(number, at);
-           });
+  ReadRows(at, rows, columns, [&](const Place& number, std::size_t r, std::size_t c) {
+    matrix(static_cast<Eigen::Index>(r), static_cast<Eigen::Index>(c)) = ReadNumber(number);
+  });
   return matrix;
 }
 
-Eigen::VectorXd ReadVector(const Json& json, const Place& place, int size) {
-  if (!json.is_array() || json.size() != static_cast<std::size_t>(size)) {
-    place.Fail((json.is_array() ? std::to_string(json.size()) + " numbers" : Shown(json)) +
-               ", expected " + std::to_string(size));
-  }
+Eigen::VectorXd ReadVector(const Place& at, int size) {
+  ExpectNumbers(at, size, " numbers", "");
   Eigen::VectorXd vector(size);
-  for (std::size_t i = 0; i < json.size(); ++i) {
-    vector(static_cast<Eigen::Index>(i)) = ReadNumber(json[i], place[i]);
+  for (std::size_t i = 0; i < at.json.size(); ++i) {
+    vector(static_cast<Eigen::Index>(i)) = ReadNumber(at[i]);
   }
   return vector;
 }
 
-Normalisation ReadNormalisation(const Json& json, const Place& place, int size) {
-  ExpectObject(json, place);
-  RejectOtherKeys(json, place, {"offset", "scale"});
-  return {ReadVector(Member(json, place, "offset"), place["offset"], size),
-          ReadVector(Member(json, place, "scale"), place["scale"], size)};
+Normalisation ReadNormalisation(const Place& at, int size) {
+  ExpectObject(at, {"offset", "scale"});
+  return {ReadVector(at["offset"], size), ReadVector(at["scale"], size)};
+}
+
+void ReadHyper(const Place& at, Hyperparameters* hyper) {
+  ExpectObject(at, {"spectral_radius", "input_variance", "density", "leak", "input_limit"});
+  hyper->spectral_radius = ReadNumber(at["spectral_radius"]);
+  hyper->input_variance = ReadNumber(at["input_variance"]);
+  hyper->density = ReadNumber(at["density"]);
+  hyper->leak = ReadNumber(at["leak"]);
+  hyper->input_limit = ReadNumber(at["input_limit"]);
+}
+
+int ReadCount(const Place& at) {
+  const int value = ReadInt(at);
+  if (value < 1 || value > 100000) at.Fail(std::to_string(value) + ", expected 1 .. 100000");
+  return value;
+}
+
+Input ReadInput(const Place& at) {
+  ExpectObject(at, {"signal", "joint"});
+  const std::string name = ReadText(at["signal"]);
+  const std::optional<Signal> signal = SignalFromName(name);
+  if (!signal) {
+    at["signal"].Fail("'" + name + "', expected one of " + std::string(SignalNames()));
+  }
+  const int joint = ReadInt(at["joint"]);
+  if (joint < 0 || joint >= types::kMaxJoints) {
+    at["joint"].Fail(std::to_string(joint) + ", expected 0 .. " +
+                     std::to_string(types::kMaxJoints - 1));
+  }
+  return {*signal, joint};
 }
 
 Weights Read(const Json& json, const std::string& file) {
-  const Place top{file, ""};
   if (!json.is_object()) throw UsageError(file + ": " + Shown(json) + ", expected a JSON object");
-  const std::string schema = ReadText(Member(json, top, "schema"), top["schema"]);
+  const Place top{json, file, ""};
+  const std::string schema = ReadText(top["schema"]);
   if (schema != kSchema)
     top["schema"].Fail("'" + schema + "', expected '" + std::string(kSchema) + "'");
-  RejectOtherKeys(json, top,
-                  {"schema", "network", "target", "period_s", "seed", "hyper", "shape", "inputs",
-                   "input", "output", "reservoir_column", "reservoir_value", "input_weight", "bias",
-                   "readout", "ridge_beta", "training_data_hash"});
-  const auto at = [&](std::string_view key) -> const Json& { return Member(json, top, key); };
+  RejectOtherKeys(top, {"schema", "network", "target", "period_s", "seed", "hyper", "shape",
+                        "inputs", "input", "output", "reservoir_column", "reservoir_value",
+                        "input_weight", "bias", "readout", "ridge_beta", "training_data_hash"});
 
   Weights w;
-  w.network = ReadText(at("network"), top["network"]);
-  w.target = ReadText(at("target"), top["target"]);
-  w.period_s = ReadNumber(at("period_s"), top["period_s"]);
-  if (!at("seed").is_number_unsigned())
-    top["seed"].Fail(Shown(at("seed")) + ", expected a whole number, at least 0");
-  w.hyper.seed = at("seed").get<std::uint64_t>();
+  w.network = ReadText(top["network"]);
+  w.target = ReadText(top["target"]);
+  w.period_s = ReadNumber(top["period_s"]);
+  const Place seed = top["seed"];
+  if (!seed.json.is_number_unsigned())
+    seed.Fail(Shown(seed.json) + ", expected a whole number, at least 0");
+  w.hyper.seed = seed.json.get<std::uint64_t>();
+  ReadHyper(top["hyper"], &w.hyper);
 
-  const Json& hyper = at("hyper");
-  const Place hyper_place = top["hyper"];
-  ExpectObject(hyper, hyper_place);
-  RejectOtherKeys(hyper, hyper_place,
-                  {"spectral_radius", "input_variance", "density", "leak", "input_limit"});
-  const auto hyper_number = [&](std::string_view key) {
-    return ReadNumber(Member(hyper, hyper_place, key), hyper_place[key]);
-  };
-  w.hyper.spectral_radius = hyper_number("spectral_radius");
-  w.hyper.input_variance = hyper_number("input_variance");
-  w.hyper.density = hyper_number("density");
-  w.hyper.leak = hyper_number("leak");
-  w.hyper.input_limit = hyper_number("input_limit");
+  const Place shape = top["shape"];
+  ExpectObject(shape, {"neurons", "inputs", "outputs", "row_entries"});
+  const int n = w.hyper.neurons = ReadCount(shape["neurons"]);
+  const int m = ReadCount(shape["inputs"]);
+  const int o = ReadCount(shape["outputs"]);
+  const int k = ReadCount(shape["row_entries"]);
 
-  const Json& shape = at("shape");
-  const Place shape_place = top["shape"];
-  ExpectObject(shape, shape_place);
-  RejectOtherKeys(shape, shape_place, {"neurons", "inputs", "outputs", "row_entries"});
-  const auto count = [&](std::string_view key) {
-    const int value = ReadInt(Member(shape, shape_place, key), shape_place[key]);
-    if (value < 1 || value > 100000)
-      shape_place[key].Fail(std::to_string(value) + ", expected 1 .. 100000");
-    return value;
-  };
-  const int n = w.hyper.neurons = count("neurons");
-  const int m = count("inputs");
-  const int o = count("outputs");
-  const int k = count("row_entries");
-
-  const Json& inputs = at("inputs");
-  const Place inputs_place = top["inputs"];
-  if (!inputs.is_array() || inputs.size() != static_cast<std::size_t>(m)) {
-    inputs_place.Fail("expected a list of " + std::to_string(m) + " inputs");
+  const Place inputs = top["inputs"];
+  if (!inputs.json.is_array() || inputs.json.size() != static_cast<std::size_t>(m)) {
+    inputs.Fail("expected a list of " + std::to_string(m) + " inputs");
   }
-  for (std::size_t i = 0; i < inputs.size(); ++i) {
-    const Place place = inputs_place[i];
-    ExpectObject(inputs[i], place);
-    RejectOtherKeys(inputs[i], place, {"signal", "joint"});
-    const std::string name = ReadText(Member(inputs[i], place, "signal"), place["signal"]);
-    const std::optional<Signal> signal = SignalFromName(name);
-    if (!signal)
-      place["signal"].Fail("'" + name + "', expected one of " + std::string(SignalNames()));
-    const int joint = ReadInt(Member(inputs[i], place, "joint"), place["joint"]);
-    if (joint < 0 || joint >= types::kMaxJoints) {
-      place["joint"].Fail(std::to_string(joint) + ", expected 0 .. " +
-                          std::to_string(types::kMaxJoints - 1));
-    }
-    w.inputs.push_back({*signal, joint});
-  }
+  for (std::size_t i = 0; i < inputs.json.size(); ++i) w.inputs.push_back(ReadInput(inputs[i]));
 
-  w.input = ReadNormalisation(at("input"), top["input"], m);
-  w.output = ReadNormalisation(at("output"), top["output"], o);
+  w.input = ReadNormalisation(top["input"], m);
+  w.output = ReadNormalisation(top["output"], o);
   w.reservoir.rows = n;
   w.reservoir.entries = k;
-  ReadRows(at("reservoir_column"), top["reservoir_column"], n, k,
-           [&](const Json& number, const Place& place, std::size_t, std::size_t) {
-             w.reservoir.column.push_back(ReadInt(number, place));
-           });
-  ReadRows(at("reservoir_value"), top["reservoir_value"], n, k,
-           [&](const Json& number, const Place& place, std::size_t, std::size_t) {
-             w.reservoir.value.push_back(ReadNumber(number, place));
-           });
-  w.input_weight = ReadMatrix(at("input_weight"), top["input_weight"], n, m);
-  w.bias = ReadVector(at("bias"), top["bias"], n);
-  w.readout = ReadMatrix(at("readout"), top["readout"], o, 1 + m + n);
-  w.ridge_beta = ReadNumber(at("ridge_beta"), top["ridge_beta"]);
-  w.training_data_hash = ReadText(at("training_data_hash"), top["training_data_hash"]);
+  ReadRows(top["reservoir_column"], n, k, [&](const Place& at, std::size_t, std::size_t) {
+    w.reservoir.column.push_back(ReadInt(at));
+  });
+  ReadRows(top["reservoir_value"], n, k, [&](const Place& at, std::size_t, std::size_t) {
+    w.reservoir.value.push_back(ReadNumber(at));
+  });
+  w.input_weight = ReadMatrix(top["input_weight"], n, m);
+  w.bias = ReadVector(top["bias"], n);
+  w.readout = ReadMatrix(top["readout"], o, 1 + m + n);
+  w.ridge_beta = ReadNumber(top["ridge_beta"]);
+  w.training_data_hash = ReadText(top["training_data_hash"]);
   try {
     w.Check();
   } catch (const std::invalid_argument& error) {

@@ -355,6 +355,62 @@ void WriteFloatingBase(std::string& out, const FloatingBase& base) {
   out += "  tilt_tolerance_rad: " + Number(base.tilt_tolerance_rad) + "\n";
 }
 
+// A rig's file: {value, unit, trust} by group and key.
+struct RigJson {
+  std::string where;
+  nlohmann::json rig;
+
+  static RigJson Load(const std::filesystem::path& path) {
+    const std::string text = config::ReadFile(path);
+    try {
+      return {path.string(), nlohmann::json::parse(text)};
+    } catch (const nlohmann::json::parse_error& error) {
+      const auto end = static_cast<std::ptrdiff_t>(std::min(error.byte, text.size()));
+      const auto line = 1 + std::count(text.begin(), text.begin() + end, '\n');
+      throw UsageError(path.string() + ":" + std::to_string(line) + ": no valid JSON");
+    }
+  }
+
+  static std::string TextOf(const nlohmann::json& entry, const char* key) {
+    return entry.contains(key) && entry[key].is_string() ? entry[key].get<std::string>() : "";
+  }
+
+  const nlohmann::json& Entry(const char* group, const char* key, const char* unit) const {
+    const std::string name = std::string(group) + "." + key;
+    if (!rig.is_object() || !rig.contains(group) || !rig[group].is_object() ||
+        !rig[group].contains(key)) {
+      throw UsageError(where + ": key '" + name + "': missing, expected {value, unit, trust}");
+    }
+    const nlohmann::json& found = rig[group][key];
+    if (!found.is_object() || !found.contains("value") || !found["value"].is_number()) {
+      throw UsageError(where + ": key '" + name + ".value': expected a number");
+    }
+    const std::string given = TextOf(found, "unit");
+    if (given != unit && !given.starts_with(std::string(unit) + " (")) {
+      throw UsageError(where + ": key '" + name + ".unit': '" + given + "', expected '" + unit +
+                       "'");
+    }
+    return found;
+  }
+
+  double Constant(const char* key, const char* unit) const {
+    return Entry("constants", key, unit)["value"].get<double>();
+  }
+
+  ParameterValue Nominal(const char* key, const char* unit) const {
+    const nlohmann::json& found = Entry("nominal_parameters", key, unit);
+    const bool exact = TextOf(found, "trust").find("exact") != std::string::npos;
+    return {.value = found["value"].get<double>(),
+            .tolerance = exact ? 0.0 : kRigTolerance,
+            .fixed = exact,
+            .half_width_95 = std::nullopt};
+  }
+};
+
+ParameterValue Exactly(double value) {
+  return {.value = value, .tolerance = 0.0, .fixed = true, .half_width_95 = std::nullopt};
+}
+
 }  // namespace
 
 void Describe(config::Fields& f, RobotModel& c) {
@@ -401,63 +457,17 @@ ModelFile LoadModelFile(const std::filesystem::path& path) {
 RobotModel LoadRobotModel(const std::filesystem::path& path) { return LoadModelFile(path).robot; }
 
 RobotModel LoadRigJson(const std::filesystem::path& path) {
-  const std::string text = config::ReadFile(path);
-  const std::string where = path.string();
-  nlohmann::json rig;
-  try {
-    rig = nlohmann::json::parse(text);
-  } catch (const nlohmann::json::parse_error& error) {
-    const auto line =
-        1 +
-        std::count(text.begin(),
-                   text.begin() + static_cast<std::ptrdiff_t>(std::min(error.byte, text.size())),
-                   '\n');
-    throw UsageError(where + ":" + std::to_string(line) + ": no valid JSON");
-  }
-  const auto entry = [&](const char* group, const char* key,
-                         const char* unit) -> const nlohmann::json& {
-    const std::string name = std::string(group) + "." + key;
-    if (!rig.is_object() || !rig.contains(group) || !rig[group].is_object() ||
-        !rig[group].contains(key)) {
-      throw UsageError(where + ": key '" + name + "': missing, expected {value, unit, trust}");
-    }
-    const nlohmann::json& found = rig[group][key];
-    if (!found.is_object() || !found.contains("value") || !found["value"].is_number()) {
-      throw UsageError(where + ": key '" + name + ".value': expected a number");
-    }
-    const std::string given =
-        found.contains("unit") && found["unit"].is_string() ? found["unit"].get<std::string>() : "";
-    if (given != unit && !given.starts_with(std::string(unit) + " (")) {
-      throw UsageError(where + ": key '" + name + ".unit': '" + given + "', expected '" + unit +
-                       "'");
-    }
-    return found;
-  };
-  const auto constant = [&](const char* key, const char* unit) {
-    return entry("constants", key, unit)["value"].get<double>();
-  };
-  const auto nominal = [&](const char* key, const char* unit) {
-    const nlohmann::json& found = entry("nominal_parameters", key, unit);
-    const std::string trust = found.contains("trust") && found["trust"].is_string()
-                                  ? found["trust"].get<std::string>()
-                                  : "";
-    ParameterValue value;
-    value.value = found["value"].get<double>();
-    value.fixed = trust.find("exact") != std::string::npos;
-    value.tolerance = value.fixed ? 0.0 : kRigTolerance;
-    return value;
-  };
-
+  const RigJson rig = RigJson::Load(path);
   JointModel joint;
   joint.name = "joint";
-  joint.constants.gear_ratio = constant("gear_ratio", "1");
-  joint.constants.link_length_m = constant("link_length", "m");
-  joint.constants.gravity_m_s2 = constant("gravity", "m/s^2");
-  joint.constants.torque_constant_Nm_A = constant("torque_constant", "N m/A");
-  joint.constants.encoder_counts_per_turn = constant("encoder_counts_per_turn", "1");
-  joint.backlash_rad = constant("free_play_full_width", "rad");
+  joint.constants.gear_ratio = rig.Constant("gear_ratio", "1");
+  joint.constants.link_length_m = rig.Constant("link_length", "m");
+  joint.constants.gravity_m_s2 = rig.Constant("gravity", "m/s^2");
+  joint.constants.torque_constant_Nm_A = rig.Constant("torque_constant", "N m/A");
+  joint.constants.encoder_counts_per_turn = rig.Constant("encoder_counts_per_turn", "1");
+  joint.backlash_rad = rig.Constant("free_play_full_width", "rad");
   joint.motor_torque_limit_Nm =
-      constant("current_limit", "A") * joint.constants.torque_constant_Nm_A;
+      rig.Constant("current_limit", "A") * joint.constants.torque_constant_Nm_A;
   const auto add = [&](const char* effect, std::vector<ParameterValue> linear,
                        std::vector<ParameterValue> nonlinear = {}) {
     Term term = MakeTerm(effect, joint.constants);
@@ -465,45 +475,35 @@ RobotModel LoadRigJson(const std::filesystem::path& path) {
     term.nonlinear = std::move(nonlinear);
     joint.terms.push_back(std::move(term));
   };
-  const ParameterValue exactly_one{
-      .value = 1.0, .tolerance = 0.0, .fixed = true, .half_width_95 = std::nullopt};
-  add("drive_current", {nominal("efficiency", "1")});
-  add("rotor_inertia", {nominal("rotor_inertia_at_output", "kg m^2")});
-  add("link_inertia", {nominal("link_inertia", "kg m^2")});
-  add("declared_payload", {exactly_one});
-  add("motor_viscous", {nominal("viscous_friction", "N m s/rad")});
-  add("coulomb", {nominal("coulomb_friction", "N m")});
-  add("gravity", {nominal("gravity_torque", "N m")});
-  add("pneumatic_torque", {nominal("pneumatic_torque_slope", "N m/bar")});
-  add("pneumatic_stiffness", {nominal("pneumatic_stiffness_slope", "N m/(rad bar)")},
-      {nominal("pneumatic_rest_angle", "rad")});
-  add("load_force", {exactly_one});
+  add("drive_current", {rig.Nominal("efficiency", "1")});
+  add("rotor_inertia", {rig.Nominal("rotor_inertia_at_output", "kg m^2")});
+  add("link_inertia", {rig.Nominal("link_inertia", "kg m^2")});
+  add("declared_payload", {Exactly(1.0)});
+  add("motor_viscous", {rig.Nominal("viscous_friction", "N m s/rad")});
+  add("coulomb", {rig.Nominal("coulomb_friction", "N m")});
+  add("gravity", {rig.Nominal("gravity_torque", "N m")});
+  add("pneumatic_torque", {rig.Nominal("pneumatic_torque_slope", "N m/bar")});
+  add("pneumatic_stiffness", {rig.Nominal("pneumatic_stiffness_slope", "N m/(rad bar)")},
+      {rig.Nominal("pneumatic_rest_angle", "rad")});
+  add("load_force", {Exactly(1.0)});
   // Both encoders: their difference is half of the play where the teeth touch.
-  const auto exactly = [](double value) {
-    return ParameterValue{
-        .value = value, .tolerance = 0.0, .fixed = true, .half_width_95 = std::nullopt};
-  };
-  add("encoder_difference", {exactly(1.0)});
-  add("free_play", {exactly(joint.backlash_rad), exactly(0.0)});
+  add("encoder_difference", {Exactly(1.0)});
+  add("free_play", {Exactly(joint.backlash_rad), Exactly(0.0)});
   add("encoder_offset", {{.value = 0.0, .half_width_95 = std::nullopt}});
-  // Pressure: the gas is compressed while the valve is shut. Rigs without a stated volume have
-  // none.
-  const bool has_gas =
-      rig.contains("nominal_parameters") && rig["nominal_parameters"].contains("gas_volume");
-  if (has_gas) {
-    const ParameterValue volume = nominal("gas_volume", "m^3");
+  // Pressure: gas is compressed while the valve is shut; a rig without a stated volume has none.
+  if (rig.rig["nominal_parameters"].contains("gas_volume")) {
+    const ParameterValue volume = rig.Nominal("gas_volume", "m^3");
     if (!(volume.value > 0.0)) {
-      throw UsageError(where + ": key 'nominal_parameters.gas_volume.value': expected more than 0");
+      throw UsageError(rig.where +
+                       ": key 'nominal_parameters.gas_volume.value': expected more than 0");
     }
     joint.constants.gas_volume_m3 = volume.value;
-    ParameterValue share = exactly(1.0);
-    share.tolerance = volume.tolerance;
-    share.fixed = volume.fixed;
-    add("chamber_pressure", {exactly(1.0)});
+    ParameterValue share = volume;
+    share.value = 1.0;
+    add("chamber_pressure", {Exactly(1.0)});
     add("gas_compression", {share});
-    add("valve_flow", {exactly(1.0)});
+    add("valve_flow", {Exactly(1.0)});
   }
-
   RemakeEffects(&joint);
 
   RobotModel robot;

@@ -40,9 +40,7 @@ ControlInputs::ControlInputs(node::Node& node, node::TickLoop& loop, const Contr
       owner_(node, node::kJointCommand) {
   const bool motion = config.motion_requests != MotionRequests::kOff;
   if (!AllPosition(config) || motion) actuator_ = &loop.AddInput(node::kActuatorState);
-  if (config.needs_prediction()) {
-    prediction_ = &loop.AddInput(node::kTorquePrediction);
-  }
+  if (config.needs_prediction()) prediction_ = &loop.AddInput(node::kTorquePrediction);
   if (config.needs_regime()) regime_ = &loop.AddInput(node::kRegime);
   if (motion) {
     const bool every_tick = config.motion_requests == MotionRequests::kEveryTick;
@@ -51,21 +49,23 @@ ControlInputs::ControlInputs(node::Node& node, node::TickLoop& loop, const Contr
   }
 }
 
-RobotInput ControlInputs::Gather(const node::Tick& tick) {
-  const msg::JointState& state = state_.value();
+void ControlInputs::TakeOperatorCommands(const node::Tick& tick) {
   while (const auto command = operator_.TakeNext()) {
     const auto action = wire::FromWire(command->action());
-    if (action == types::OperatorAction::kEstop) {
-      estopped_ = true;
-      loop_.Used(node::EventId(*command));
-    }
-    if (action == types::OperatorAction::kReset &&
+    const bool stops = action == types::OperatorAction::kEstop;
+    const bool resets =
+        action == types::OperatorAction::kReset &&
         reset_gate_.Admits(types::CommandKind::kPermission, wire::FromWire(command->header()),
-                           {tick.session_id, wire::FromWire(state.header().origin())})) {
-      estopped_ = false;
-      loop_.Used(node::EventId(*command));
-    }
+                           {tick.session_id, wire::FromWire(state_.value().header().origin())});
+    if (!stops && !resets) continue;
+    estopped_ = stops;
+    loop_.Used(node::EventId(*command));
   }
+}
+
+RobotInput ControlInputs::Gather(const node::Tick& tick) {
+  TakeOperatorCommands(tick);
+  const msg::JointState& state = state_.value();
   RobotInput input;
   input.session_id = tick.session_id;
   input.period_s = tick.period_s;

@@ -41,6 +41,8 @@ class ControlInputs {
   msg::JointCommand ToMessage(const RobotOutput& output, const RobotInput& input) const;
 
  private:
+  void TakeOperatorCommands(const node::Tick& tick);
+
   node::TickLoop& loop_;
   ControlConfig config_;
   node::TickInput<msg::JointState>& state_;

@@ -182,10 +182,19 @@ std::vector<std::unique_ptr<estop::Input>> OpenInputs(const EstopOptions& option
   return inputs;
 }
 
+msg::EstopState Heartbeat(const std::string& name, const std::string& stopping,
+                          const msg::JointState& state) {
+  msg::EstopState beat;
+  beat.header(state.header());
+  beat.name(name);
+  beat.stops(!stopping.empty());
+  beat.why(stopping.substr(0, 127));
+  return beat;
+}
+
 void Run(const node::Options& options, node::StopFlag& stop, const EstopOptions& estop_options) {
   std::vector<std::unique_ptr<estop::Input>> inputs = OpenInputs(estop_options);
-  // At each press anew: bridges come and go.
-  const auto sockets = [&] {
+  const auto sockets = [&] {  // at each press anew: bridges come and go
     return estop::SocketsToPress({estop_options.sockets.begin(), estop_options.sockets.end()},
                                  options.chosen_domain);
   };
@@ -201,11 +210,11 @@ void Run(const node::Options& options, node::StopFlag& stop, const EstopOptions&
 
   estop::Assertion assertion;
   std::optional<msg::JointState> state;
-  std::string reason, reported = "?";
+  InputThread::Pressed press;  // the last one
+  std::string reported = "?";
   node::Node::Counts counts;
   std::int64_t heard_ns = 0, beat_ns = 0;
   bool idled = false;  // by the socket, since the last press
-  std::vector<InputThread::Socket> pressed;
   std::optional<std::int64_t> end_ns;
   node::BeginRealtime();
   for (;;) {
@@ -213,7 +222,7 @@ void Run(const node::Options& options, node::StopFlag& stop, const EstopOptions&
       end_ns = types::MonotonicNow_ns() + std::chrono::nanoseconds(kEndLimit).count();
       // Ctrl-C is a key as well, and a keyboard that nobody watches any more is a lost input.
       if (estop_options.keys) {
-        reason = "sinew-estop ends";
+        press.reason = "sinew-estop ends";
         assertion.Press();
       }
     }
@@ -224,22 +233,17 @@ void Run(const node::Options& options, node::StopFlag& stop, const EstopOptions&
       state = std::move(next);
       heard_ns = now_ns;
     }
-    if (auto press = thread.TakePress()) {
-      reason = press->reason;
-      pressed = std::move(press->sockets);
+    if (auto taken = thread.TakePress()) {
+      press = std::move(*taken);
       assertion.Press();
       idled = false;
     }
     const std::string stopping = thread.Stopping();
-    if (!stopping.empty() && !assertion.pressed()) reason = stopping;
+    if (!stopping.empty() && !assertion.pressed()) press.reason = stopping;
     if (state && !end_ns && thread.alive(now_ns) &&
         now_ns - beat_ns >= std::chrono::nanoseconds(kBeat).count()) {
       beat_ns = now_ns;
-      msg::EstopState beat;
-      beat.header(state->header());
-      beat.name(options.name);
-      beat.stops(!stopping.empty());
-      beat.why(stopping.substr(0, 127));
+      const msg::EstopState beat = Heartbeat(options.name, stopping, *state);
       if (beats.Write(beat) != node::WriteStatus::kOk) ++counts.write_failures;
     }
     const bool heard = state && now_ns - heard_ns < std::chrono::nanoseconds(kStateAge).count();
@@ -249,18 +253,17 @@ void Run(const node::Options& options, node::StopFlag& stop, const EstopOptions&
       msg::OperatorCommand command;
       if (state) command.header(state->header());
       command.action(msg::OPERATOR_ESTOP);
-      command.reason(reason.substr(0, 63));
+      command.reason(press.reason.substr(0, 63));
       if (commands.Write(command) != node::WriteStatus::kOk) ++counts.write_failures;
-      if (pressed.empty()) pressed = thread.PressSockets(reason);
       const InputThread::Answers answers =
-          InputThread::Await(std::exchange(pressed, std::vector<InputThread::Socket>()));
+          InputThread::Await(press.sockets.empty() ? thread.PressSockets(press.reason)
+                                                   : std::exchange(press.sockets, {}));
       if (!idled && !answers.text.empty()) spdlog::info("{}", answers.text);
       idled = answers.idle;
       ++counts.cycles;
     }
     const std::string message = assertion.pressed() ? "estop sent, not confirmed yet" : stopping;
-    if (message != reported) {
-      reported = message;
+    if (std::exchange(reported, message) != message) {
       node.SetState(message.empty() ? node::Node::State::kActive : node::Node::State::kFault,
                     message.empty() ? "watches its inputs" : message);
     }
