@@ -78,7 +78,7 @@ TEST_F(RunningRig, IsSeenByEveryCommand) {
   }
   EXPECT_TRUE(written);
 
-  const Finished hz = Sinew({"hz", "joint_state", "joint_command", "--duration", "3", "--json"});
+  const Finished hz = Sinew({"hz", "joint_state", "joint_command", "--duration", "1", "--json"});
   ASSERT_EQ(hz.exit_code, 0) << hz.error;
   const auto rates = nlohmann::json::parse(hz.output);
   ASSERT_EQ(rates.size(), 2u) << hz.output;
@@ -112,7 +112,7 @@ TEST_F(RunningRig, IsSeenByEveryCommand) {
   }
 
   const std::string run = (folder_.path() / "run.mcap").string();
-  const Finished record = Sinew({"record", "--out", run, "--duration", "3"});
+  const Finished record = Sinew({"record", "--out", run, "--duration", "2"});
   ASSERT_EQ(record.exit_code, 0) << record.error;
   const Finished recorded = testing::Run({kSinew, "hz", "joint_state", "--from", run, "--json"});
   ASSERT_EQ(recorded.exit_code, 0) << recorded.error;

@@ -10,6 +10,7 @@
 #include <optional>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include "components/base/types/clock/clock.h"
 #include "components/topics/node/endpoint.h"
@@ -131,7 +132,7 @@ struct TwoControllers {
 
 TEST(OwnershipDds, WhoIsStartedLaterStandsByWhateverItsGuid) {
   // Equal strengths would be decided by GUID, which is a coin: eight times.
-  for (int domain = 150; domain < 154; ++domain) {
+  const auto toss = [](int domain) {
     TwoControllers rig(domain);
     EXPECT_EQ(rig.provider.Heard(), "first");
     EXPECT_LT(rig.provider.StrengthOf("second"), rig.provider.StrengthOf("first"));
@@ -142,7 +143,9 @@ TEST(OwnershipDds, WhoIsStartedLaterStandsByWhateverItsGuid) {
         rig.provider.WaitUntil([&] { return rig.provider.StrengthOf("first") > kSettled; }));
     EXPECT_EQ(rig.provider.Heard(), "second") << "the primary is back, and stays below";
     EXPECT_LT(rig.provider.StrengthOf("first"), rig.provider.StrengthOf("second"));
-  }
+  };
+  std::vector<std::jthread> tosses;
+  for (int domain = 150; domain < 154; ++domain) tosses.emplace_back(toss, domain);
 }
 
 TEST(OwnershipDds, TheOperatorHandsOverByRoleNameSessionAndOrigin) {
