@@ -135,6 +135,42 @@ void RunWithoutTopics(const std::string& config_path, std::uint64_t cycles, doub
               work.Quantile_us(0.5), work.Quantile_us(0.999));
 }
 
+// Arms the robot and answers each joint_state, until it was armed for so many cycles.
+void CommandArmed(const node::Options& options, std::uint64_t cycles,
+                  std::chrono::duration<double> limit, Program& bridge) {
+  node::Node node(options);
+  auto states = node.MakeReader(node::kJointState);
+  auto commands = node.MakeWriter(node::kJointCommand);
+  auto operators = node.MakeWriter(node::kOperatorCommand);
+  const auto give_up = std::chrono::steady_clock::now() + limit;
+  std::uint64_t armed = 0;
+  while (armed < cycles) {
+    if (std::chrono::steady_clock::now() > give_up) {
+      throw std::runtime_error("the robot was not armed for long enough\n" + bridge.error());
+    }
+    const auto state = states.WaitNext(milliseconds(200));
+    if (!state) continue;
+    const std::uint64_t tick = state->header().tick();
+    if (state->robot_state() == msg::ROBOT_ARMED) {
+      ++armed;
+    } else if (tick % 60 == 0) {
+      msg::OperatorCommand command;
+      command.header(state->header());
+      command.action(state->robot_state() == msg::ROBOT_FAULT ? msg::OPERATOR_RESET
+                                                              : msg::OPERATOR_ARM);
+      (void)operators.Write(command);
+    }
+    msg::JointCommand command;
+    command.header(state->header());
+    command.joint_count(kJoints);
+    for (std::size_t j = 0; j < kJoints; ++j) {
+      command.mode()[j] = msg::COMMAND_TORQUE;
+      command.motor_torque_Nm()[j] = TorqueOf(tick, j);
+    }
+    (void)commands.Write(command);
+  }
+}
+
 int Main(int argc, char** argv) {
   double duration_s = 20.0, rate_Hz = 240.0;
   bool nodes = false, realtime = false, without_topics = false;
@@ -178,38 +214,7 @@ int Main(int argc, char** argv) {
   options.component = options.name = "commander";
   options.domain_id = domain;
   options.qos_path = qos;
-  node::Node node(options);
-  auto states = node.MakeReader(node::kJointState);
-  auto commands = node.MakeWriter(node::kJointCommand);
-  auto operators = node.MakeWriter(node::kOperatorCommand);
-  const auto give_up =
-      std::chrono::steady_clock::now() + std::chrono::duration<double>(60.0 + 2.0 * duration_s);
-  std::uint64_t armed = 0;
-  while (armed < cycles) {
-    if (std::chrono::steady_clock::now() > give_up) {
-      throw std::runtime_error("the robot was not armed for long enough\n" + bridge.error());
-    }
-    const auto state = states.WaitNext(milliseconds(200));
-    if (!state) continue;
-    const std::uint64_t tick = state->header().tick();
-    if (state->robot_state() == msg::ROBOT_ARMED) {
-      ++armed;
-    } else if (tick % 60 == 0) {
-      msg::OperatorCommand command;
-      command.header(state->header());
-      command.action(state->robot_state() == msg::ROBOT_FAULT ? msg::OPERATOR_RESET
-                                                              : msg::OPERATOR_ARM);
-      (void)operators.Write(command);
-    }
-    msg::JointCommand command;
-    command.header(state->header());
-    command.joint_count(kJoints);
-    for (std::size_t j = 0; j < kJoints; ++j) {
-      command.mode()[j] = msg::COMMAND_TORQUE;
-      command.motor_torque_Nm()[j] = TorqueOf(tick, j);
-    }
-    (void)commands.Write(command);
-  }
+  CommandArmed(options, cycles, std::chrono::duration<double>(60.0 + 2.0 * duration_s), bridge);
   bridge.Signal(SIGTERM);
   if (bridge.Wait(seconds(10)) != 0) throw std::runtime_error(bridge.error());
   std::printf("12 joints on two buses%s, %g Hz, %g s armed%s\n",

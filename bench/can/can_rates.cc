@@ -113,104 +113,23 @@ class Player {
     std::mt19937 random(11);
     random_ = &random;
     sequence_ = 0;
-    BusModel bus({.bitrate_bit_s = kBitrate_bit_s, .queue_frames = 4096});
-    const int master = bus.Attach();
-    const int gateway = bus.Attach();
-    std::vector<int> axes;
-    for (int a = 0; a < plan_.axes; ++a) axes.push_back(bus.Attach());
-    // Who sends heartbeats, as node on the bus and by number.
-    std::vector<std::pair<int, int>> beating;
-    for (int a = 0; a < plan_.axes; ++a) beating.emplace_back(axes[std::size_t(a)], a + 1);
-    const int foot = bus.Attach(), imu = bus.Attach();
-    if (plan_.foot) beating.emplace_back(foot, kFootNode);
-    if (plan_.imu) beating.emplace_back(imu, kImuNode);
-    std::vector<double> next_heartbeat_s;
-    for (std::size_t a = 0; a < beating.size(); ++a) {
-      next_heartbeat_s.push_back(together_
-                                     ? 0.0
-                                     : static_cast<double>(a) /
-                                           (static_cast<double>(beating.size()) * kHeartbeat_Hz));
-    }
     const auto period_ns = static_cast<std::int64_t>(std::llround(1e9 / rate_Hz));
     const auto cycles = static_cast<std::int64_t>(seconds * rate_Hz);
-    std::vector<std::int64_t> fast_end_ns(static_cast<std::size_t>(cycles));
-    std::vector<std::int64_t> all_end_ns(static_cast<std::size_t>(cycles));
-    // Frames of one identifier come in the order they were offered: their cycles.
-    std::map<std::pair<std::uint32_t, bool>, std::deque<std::int64_t>> waiting;
-    bool refused = false;
-    std::int64_t exchange_bits = 0, heartbeat_bits = 0;
-    const auto offer = [&](int node, const Frame& frame, std::int64_t cycle, std::int64_t now_ns) {
-      waiting[{frame.id, frame.remote}].push_back(cycle);
-      if (!bus.Offer(node, content_ == Content::kWorst ? Worst(frame) : frame, now_ns)) {
-        refused = true;
-      }
-    };
-    int references_received = 0;
+    Run run(plan_, together_, static_cast<std::size_t>(cycles));
     const std::function<void(const Delivery&)> deliver = [&](const Delivery& d) {
-      auto& queue = waiting[{d.frame.id, d.frame.remote}];
-      const std::int64_t cycle = queue.front();
-      queue.pop_front();
-      if (IsHeartbeat(d.frame)) {
-        heartbeat_bits += FrameBits(d.frame);
-        return;
-      }
-      exchange_bits += FrameBits(d.frame);
-      const auto c = static_cast<std::size_t>(cycle);
-      all_end_ns[c] = std::max(all_end_ns[c], d.end_ns);
-      if (!IsIq(d.frame)) fast_end_ns[c] = std::max(fast_end_ns[c], d.end_ns);
-      if (d.senders.front() != master) return;
-      if (plan_.compact) {
-        if (++references_received % kCompactReferenceFrames != 0) return;
-        for (const Frame& frame : State()) offer(gateway, frame, cycle, d.end_ns);
-      } else if (d.frame.remote) {
-        const auto address = AddressOf(d.frame);
-        offer(axes[std::size_t(address->node - 1)], Answer(*address), cycle, d.end_ns);
-      }
+      Deliver(run, d);
     };
-    for (std::int64_t cycle = 0; cycle < cycles && !refused; ++cycle) {
-      const std::int64_t start_ns = cycle * period_ns;
-      AdvanceWithAnswers(bus, start_ns, deliver);
-      for (std::size_t a = 0; a < beating.size(); ++a) {
-        if (1e-9 * static_cast<double>(start_ns) < next_heartbeat_s[a]) continue;
-        next_heartbeat_s[a] += 1.0 / kHeartbeat_Hz;
-        const auto [node, number] = beating[a];
-        offer(node,
-              number >= kFootNode ? Encode(number, NodeHeartbeat{})
-                                  : Encode(number, Heartbeat{0, AxisState::kClosedLoopControl}),
-              cycle, start_ns);
-      }
-      if (plan_.foot) offer(foot, Foot(), cycle, start_ns);
-      if (plan_.imu) {
-        for (const Frame& frame : Imu()) offer(imu, frame, cycle, start_ns);
-      }
-      if (plan_.compact) {
-        for (const Frame& frame : References()) offer(master, frame, cycle, start_ns);
-        continue;
-      }
-      for (int a = 0; a < plan_.axes; ++a) {
-        const int axis = axes[std::size_t(a)];
-        const bool iq =
-            plan_.iq_every > 0 && (cycle + (plan_.iq_spread ? a : 0)) % plan_.iq_every == 0;
-        offer(master, Trim(Encode(a + 1, SetInputTorque{Uniform(0.3)})), cycle, start_ns);
-        for (const auto& [due, asked, command] :
-             {std::tuple{true, plan_.requested, Command::kGetEncoderEstimates},
-              std::tuple{iq, plan_.iq_asked, Command::kGetIq}}) {
-          if (!due) continue;
-          if (asked) {
-            offer(master, EncodeRequest(a + 1, command), cycle, start_ns);
-          } else {
-            offer(axis, Answer({a + 1, command}), cycle, start_ns);
-          }
-        }
-      }
+    for (std::int64_t cycle = 0; cycle < cycles && !run.refused; ++cycle) {
+      AdvanceWithAnswers(run.bus, cycle * period_ns, deliver);
+      OfferCycle(run, cycle, cycle * period_ns);
     }
-    AdvanceWithAnswers(bus, cycles * period_ns + 1'000'000'000, deliver);
+    AdvanceWithAnswers(run.bus, cycles * period_ns + 1'000'000'000, deliver);
     Played played;
-    played.refused = refused;
+    played.refused = run.refused;
     const double time_ns = static_cast<double>(cycles * period_ns);
-    played.load_percent = 100.0 * static_cast<double>(bus.counters().busy_ns) / time_ns;
-    played.exchange_bits = static_cast<double>(exchange_bits) / static_cast<double>(cycles);
-    played.heartbeat_bits_s = static_cast<double>(heartbeat_bits) / (1e-9 * time_ns);
+    played.load_percent = 100.0 * static_cast<double>(run.bus.counters().busy_ns) / time_ns;
+    played.exchange_bits = static_cast<double>(run.exchange_bits) / static_cast<double>(cycles);
+    played.heartbeat_bits_s = static_cast<double>(run.heartbeat_bits) / (1e-9 * time_ns);
     const auto latencies = [&](const std::vector<std::int64_t>& end_ns, double* p50, double* most) {
       std::vector<double> ms;
       for (std::size_t c = 0; c < end_ns.size(); ++c) {
@@ -220,8 +139,8 @@ class Player {
       *p50 = ms[ms.size() / 2];
       *most = ms.back();
     };
-    latencies(fast_end_ns, &played.fast_p50_ms, &played.fast_max_ms);
-    latencies(all_end_ns, &played.all_p50_ms, &played.all_max_ms);
+    latencies(run.fast_end_ns, &played.fast_p50_ms, &played.fast_max_ms);
+    latencies(run.all_end_ns, &played.all_p50_ms, &played.all_max_ms);
     return played;
   }
 
@@ -239,6 +158,107 @@ class Player {
   }
 
  private:
+  // The bus with its nodes, and what one play has counted on it.
+  struct Run {
+    struct Beating {  // sends heartbeats
+      int node, number;
+      double next_s;
+    };
+
+    BusModel bus{{.bitrate_bit_s = kBitrate_bit_s, .queue_frames = 4096}};
+    int master, gateway, foot, imu;
+    std::vector<int> axes;
+    std::vector<Beating> beating;
+    std::vector<std::int64_t> fast_end_ns, all_end_ns;  // of each cycle
+    // Frames of one identifier come in the order they were offered: their cycles.
+    std::map<std::pair<std::uint32_t, bool>, std::deque<std::int64_t>> waiting;
+    bool refused = false;
+    std::int64_t exchange_bits = 0, heartbeat_bits = 0;
+    int references_received = 0;
+
+    Run(const Plan& plan, bool together, std::size_t cycles)
+        : fast_end_ns(cycles), all_end_ns(cycles) {
+      master = bus.Attach();
+      gateway = bus.Attach();
+      for (int a = 0; a < plan.axes; ++a) axes.push_back(bus.Attach());
+      foot = bus.Attach();
+      imu = bus.Attach();
+      for (int a = 0; a < plan.axes; ++a) beating.push_back({axes[std::size_t(a)], a + 1, 0.0});
+      if (plan.foot) beating.push_back({foot, kFootNode, 0.0});
+      if (plan.imu) beating.push_back({imu, kImuNode, 0.0});
+      for (std::size_t a = 0; a < beating.size() && !together; ++a) {
+        beating[a].next_s =
+            static_cast<double>(a) / (static_cast<double>(beating.size()) * kHeartbeat_Hz);
+      }
+    }
+  };
+
+  void Offer(Run& run, int node, const Frame& frame, std::int64_t cycle, std::int64_t now_ns) {
+    run.waiting[{frame.id, frame.remote}].push_back(cycle);
+    if (!run.bus.Offer(node, content_ == Content::kWorst ? Worst(frame) : frame, now_ns)) {
+      run.refused = true;
+    }
+  }
+
+  // Counts a frame that is over, and answers it.
+  void Deliver(Run& run, const Delivery& d) {
+    auto& queue = run.waiting[{d.frame.id, d.frame.remote}];
+    const std::int64_t cycle = queue.front();
+    queue.pop_front();
+    if (IsHeartbeat(d.frame)) {
+      run.heartbeat_bits += FrameBits(d.frame);
+      return;
+    }
+    run.exchange_bits += FrameBits(d.frame);
+    const auto c = static_cast<std::size_t>(cycle);
+    run.all_end_ns[c] = std::max(run.all_end_ns[c], d.end_ns);
+    if (!IsIq(d.frame)) run.fast_end_ns[c] = std::max(run.fast_end_ns[c], d.end_ns);
+    if (d.senders.front() != run.master) return;
+    if (plan_.compact) {
+      if (++run.references_received % kCompactReferenceFrames != 0) return;
+      for (const Frame& frame : State()) Offer(run, run.gateway, frame, cycle, d.end_ns);
+    } else if (d.frame.remote) {
+      const auto address = AddressOf(d.frame);
+      Offer(run, run.axes[std::size_t(address->node - 1)], Answer(*address), cycle, d.end_ns);
+    }
+  }
+
+  // Offers everything that is due in a cycle.
+  void OfferCycle(Run& run, std::int64_t cycle, std::int64_t start_ns) {
+    for (Run::Beating& beating : run.beating) {
+      if (1e-9 * static_cast<double>(start_ns) < beating.next_s) continue;
+      beating.next_s += 1.0 / kHeartbeat_Hz;
+      const Frame heartbeat =
+          beating.number >= kFootNode
+              ? Encode(beating.number, NodeHeartbeat{})
+              : Encode(beating.number, Heartbeat{0, AxisState::kClosedLoopControl});
+      Offer(run, beating.node, heartbeat, cycle, start_ns);
+    }
+    if (plan_.foot) Offer(run, run.foot, Foot(), cycle, start_ns);
+    if (plan_.imu) {
+      for (const Frame& frame : Imu()) Offer(run, run.imu, frame, cycle, start_ns);
+    }
+    if (plan_.compact) {
+      for (const Frame& frame : References()) Offer(run, run.master, frame, cycle, start_ns);
+      return;
+    }
+    for (int a = 0; a < plan_.axes; ++a) {
+      const bool iq =
+          plan_.iq_every > 0 && (cycle + (plan_.iq_spread ? a : 0)) % plan_.iq_every == 0;
+      Offer(run, run.master, Trim(Encode(a + 1, SetInputTorque{Uniform(0.3)})), cycle, start_ns);
+      for (const auto& [due, asked, command] :
+           {std::tuple{true, plan_.requested, Command::kGetEncoderEstimates},
+            std::tuple{iq, plan_.iq_asked, Command::kGetIq}}) {
+        if (!due) continue;
+        if (asked) {
+          Offer(run, run.master, EncodeRequest(a + 1, command), cycle, start_ns);
+        } else {
+          Offer(run, run.axes[std::size_t(a)], Answer({a + 1, command}), cycle, start_ns);
+        }
+      }
+    }
+  }
+
   bool IsHeartbeat(const Frame& frame) const {
     // The gateway's node is 0, and 0x01 there are references.
     const auto address = AddressOf(frame);

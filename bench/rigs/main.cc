@@ -181,10 +181,7 @@ void Print(const std::vector<Outcome>& outcomes, const fs::path& json, bool conf
   if (!json.empty()) std::ofstream(json) << ToJson(figures).dump(1) << "\n";
 }
 
-int Main(int argc, char** argv) {
-  CLI::App app{
-      "The bank of rigs: draws rigs, plants effects in their recordings, runs close-loop, counts"};
-  app.require_subcommand(1);
+struct Options {
   fs::path out, cases, sinew, reports, jsonl, json, true_sets, quiet;
   std::vector<fs::path> lines;
   Asked asked;
@@ -192,96 +189,114 @@ int Main(int argc, char** argv) {
   int first = 1, count = 20, trials = 500, jobs = 1, limit_s = 900;
   double noise_share = 1.0;
   bool confusion = false;
+};
 
+void AddMakeAndRun(CLI::App& app, Options* o) {
   auto* make = app.add_subcommand("make", "draw rigs and write their cases");
-  make->add_option("--out", out, "folder of the cases")->required();
-  make->add_option("--first", first, "first rig's number")->check(CLI::PositiveNumber);
-  make->add_option("--count", count, "number of rigs")->check(CLI::PositiveNumber);
-  make->add_option("--only", only, "cases whose name, family or candidates hold this text");
-  make->add_option("--shard", shard, "K/N: every N-th rig, from the K-th on");
-  make->add_option("--noise", noise_share, "share of the rig's noise that the recordings have")
+  make->add_option("--out", o->out, "folder of the cases")->required();
+  make->add_option("--first", o->first, "first rig's number")->check(CLI::PositiveNumber);
+  make->add_option("--count", o->count, "number of rigs")->check(CLI::PositiveNumber);
+  make->add_option("--only", o->only, "cases whose name, family or candidates hold this text");
+  make->add_option("--shard", o->shard, "K/N: every N-th rig, from the K-th on");
+  make->add_option("--noise", o->noise_share, "share of the rig's noise that the recordings have")
       ->check(CLI::PositiveNumber);
 
   auto* run = app.add_subcommand("run", "run the program on every case that has no report yet");
-  run->add_option("cases", cases, "folder of the cases")->required();
-  run->add_option("--sinew", sinew, "the program")->required()->check(CLI::ExistingFile);
-  run->add_option("--out", reports, "folder of the reports")->required();
-  run->add_option("--only", only, "cases whose name holds this text");
-  run->add_option("--jobs", jobs, "processes at a time")->check(CLI::PositiveNumber);
-  run->add_option("--limit", limit_s, "seconds after which a case is given up");
-  run->add_option("--shard", shard, "K/N: every N-th case, from the K-th on");
-  run->add_option("--without", asked.without,
+  run->add_option("cases", o->cases, "folder of the cases")->required();
+  run->add_option("--sinew", o->sinew, "the program")->required()->check(CLI::ExistingFile);
+  run->add_option("--out", o->reports, "folder of the reports")->required();
+  run->add_option("--only", o->only, "cases whose name holds this text");
+  run->add_option("--jobs", o->jobs, "processes at a time")->check(CLI::PositiveNumber);
+  run->add_option("--limit", o->limit_s, "seconds after which a case is given up");
+  run->add_option("--shard", o->shard, "K/N: every N-th case, from the K-th on");
+  run->add_option("--without", o->asked.without,
                   "rules of the tracer to take out, to see what they are worth");
-  run->add_flag("--true-set", asked.true_set, "give the effects that are there, for `true-set`");
+  run->add_flag("--true-set", o->asked.true_set, "give the effects that are there, for `true-set`");
 
   run->add_flag(
-      "--without-truth", asked.without_truth,
+      "--without-truth", o->asked.without_truth,
       "take the effects that are there out of the catalogue: what is named then is wrong");
+}
 
+// Commands on cases and reports that are there.
+void AddOthers(CLI::App& app, Options* o) {
   auto* score = app.add_subcommand("score", "count the results of the reports");
-  score->add_option("cases", cases, "folder of the cases")->required();
-  score->add_option("--reports", reports, "folder of the reports")->required();
-  score->add_option("--jsonl", jsonl, "outcomes, one a line, for `merge`");
-  score->add_option("--json", json, "the figures");
-  score->add_flag("--confusion", confusion, "also who was taken for whom");
+  score->add_option("cases", o->cases, "folder of the cases")->required();
+  score->add_option("--reports", o->reports, "folder of the reports")->required();
+  score->add_option("--jsonl", o->jsonl, "outcomes, one a line, for `merge`");
+  score->add_option("--json", o->json, "the figures");
+  score->add_flag("--confusion", o->confusion, "also who was taken for whom");
 
   auto* vary = app.add_subcommand("vary", "write cases again in other units and at other rates");
-  vary->add_option("cases", cases, "folder of the cases")->required();
-  vary->add_option("--out", out, "folder of the variants")->required();
-  vary->add_option("--only", only, "cases whose name holds this text");
+  vary->add_option("cases", o->cases, "folder of the cases")->required();
+  vary->add_option("--out", o->out, "folder of the variants")->required();
+  vary->add_option("--only", o->only, "cases whose name holds this text");
 
   auto* compare = app.add_subcommand("compare", "differences of the variants' reports");
-  compare->add_option("reports", cases, "folder of the cases' reports")->required();
-  compare->add_option("variants", reports, "folder of the variants' reports")->required();
+  compare->add_option("reports", o->cases, "folder of the cases' reports")->required();
+  compare->add_option("variants", o->reports, "folder of the variants' reports")->required();
 
   auto* plant = app.add_subcommand("plant", "write cases with effects of their detectable size");
-  plant->add_option("cases", cases, "folder of the cases")->required();
-  plant->add_option("--reports", reports, "folder of the cases' reports")->required();
-  plant->add_option("--out", out, "folder of the planted cases")->required();
-  plant->add_option("--count", trials, "trials, shared out evenly among the effects");
+  plant->add_option("cases", o->cases, "folder of the cases")->required();
+  plant->add_option("--reports", o->reports, "folder of the cases' reports")->required();
+  plant->add_option("--out", o->out, "folder of the planted cases")->required();
+  plant->add_option("--count", o->trials, "trials, shared out evenly among the effects");
 
   auto* true_set = app.add_subcommand("true-set", "reports beside those of the true sets");
-  true_set->add_option("cases", cases, "folder of the cases")->required();
-  true_set->add_option("--reports", reports, "folder of the reports")->required();
-  true_set->add_option("--true-sets", true_sets, "folder of `run --true-set`")->required();
-  true_set->add_option("--quiet", quiet,
+  true_set->add_option("cases", o->cases, "folder of the cases")->required();
+  true_set->add_option("--reports", o->reports, "folder of the reports")->required();
+  true_set->add_option("--true-sets", o->true_sets, "folder of `run --true-set`")->required();
+  true_set->add_option("--quiet", o->quiet,
                        "folder of `run --true-set` on the cases of `make --noise 0.1`");
 
   auto* merge = app.add_subcommand("merge", "count the outcomes of several runs together");
-  merge->add_option("files", lines, "outcomes that `score --jsonl` wrote")->required();
-  merge->add_option("--json", json, "the figures");
-  merge->add_flag("--confusion", confusion, "also who was taken for whom");
+  merge->add_option("files", o->lines, "outcomes that `score --jsonl` wrote")->required();
+  merge->add_option("--json", o->json, "the figures");
+  merge->add_flag("--confusion", o->confusion, "also who was taken for whom");
+}
+
+std::vector<Outcome> ReadLines(const std::vector<fs::path>& paths) {
+  std::vector<Outcome> outcomes;
+  for (const fs::path& path : paths) {
+    std::ifstream file(path);
+    if (!file) throw std::runtime_error(path.string() + ": cannot be read");
+    for (std::string line; std::getline(file, line);) {
+      if (!line.empty()) outcomes.push_back(FromJson(nlohmann::json::parse(line)));
+    }
+  }
+  return outcomes;
+}
+
+int Main(int argc, char** argv) {
+  CLI::App app{
+      "The bank of rigs: draws rigs, plants effects in their recordings, runs close-loop, counts"};
+  app.require_subcommand(1);
+  Options o;
+  AddMakeAndRun(app, &o);
+  AddOthers(app, &o);
   CLI11_PARSE(app, argc, argv);
 
-  if (*make) {
-    Make(out, first, count, only, ParseShard(shard), noise_share);
-  } else if (*run) {
-    Run(cases, sinew, reports, only, jobs, limit_s, ParseShard(shard), asked);
-  } else if (*vary) {
-    Vary(cases, out, only);
-  } else if (*compare) {
-    std::cout << TableOfVariants(cases, reports);
-  } else if (*plant) {
-    std::printf("%d trials made\n", PlantAll(cases, reports, trials, out));
-  } else if (*true_set) {
-    std::cout << TableOf(CompareWithTrueSets(cases, reports, true_sets, quiet));
-  } else if (*score) {
-    const std::vector<Outcome> outcomes = ReadOutcomes(cases, reports);
-    if (!jsonl.empty()) {
-      std::ofstream file(jsonl);
+  if (app.got_subcommand("make")) {
+    Make(o.out, o.first, o.count, o.only, ParseShard(o.shard), o.noise_share);
+  } else if (app.got_subcommand("run")) {
+    Run(o.cases, o.sinew, o.reports, o.only, o.jobs, o.limit_s, ParseShard(o.shard), o.asked);
+  } else if (app.got_subcommand("vary")) {
+    Vary(o.cases, o.out, o.only);
+  } else if (app.got_subcommand("compare")) {
+    std::cout << TableOfVariants(o.cases, o.reports);
+  } else if (app.got_subcommand("plant")) {
+    std::printf("%d trials made\n", PlantAll(o.cases, o.reports, o.trials, o.out));
+  } else if (app.got_subcommand("true-set")) {
+    std::cout << TableOf(CompareWithTrueSets(o.cases, o.reports, o.true_sets, o.quiet));
+  } else if (app.got_subcommand("score")) {
+    const std::vector<Outcome> outcomes = ReadOutcomes(o.cases, o.reports);
+    if (!o.jsonl.empty()) {
+      std::ofstream file(o.jsonl);
       for (const Outcome& outcome : outcomes) file << ToJson(outcome).dump() << "\n";
     }
-    Print(outcomes, json, confusion);
+    Print(outcomes, o.json, o.confusion);
   } else {
-    std::vector<Outcome> outcomes;
-    for (const fs::path& path : lines) {
-      std::ifstream file(path);
-      if (!file) throw std::runtime_error(path.string() + ": cannot be read");
-      for (std::string line; std::getline(file, line);) {
-        if (!line.empty()) outcomes.push_back(FromJson(nlohmann::json::parse(line)));
-      }
-    }
-    Print(outcomes, json, confusion);
+    Print(ReadLines(o.lines), o.json, o.confusion);
   }
   return 0;
 }

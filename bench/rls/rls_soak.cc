@@ -13,23 +13,19 @@
 #include "components/learn/esn/network.h"
 #include "components/learn/rls/rls.h"
 
-int main(int argc, char** argv) {
-  using namespace sinew;
-  long updates = 10'000'000;
-  bool directional = false;
-  for (int i = 1; i < argc; ++i) {
-    if (std::string_view(argv[i]) == "--directional") {
-      directional = true;
-    } else {
-      updates = std::atol(argv[i]);
-    }
-  }
-  constexpr int kOutputs = 12;
-  constexpr int kInputs = 18;
-  constexpr long kMoving = 4000;
-  constexpr long kCycle = 14000;
-  constexpr long kChange = 60000;
-  constexpr double kNoise_Nm = 0.01;
+namespace {
+
+using namespace sinew;
+
+constexpr int kOutputs = 12;
+constexpr int kInputs = 18;
+constexpr long kMoving = 4000;
+constexpr long kCycle = 14000;
+constexpr long kChange = 60000;
+constexpr double kNoise_Nm = 0.01;
+
+// Features along a squat of 2000 samples, settled; without columns: a step failed.
+Eigen::MatrixXd Features() {
   esn::Hyperparameters hyper;
   hyper.neurons = 76;
   hyper.leak = 0.5;
@@ -37,18 +33,38 @@ int main(int argc, char** argv) {
   esn::Weights weights = esn::MakeWeights(hyper, kInputs, kOutputs);
   weights.period_s = 1.0 / 240.0;
   esn::Network network(weights);
-  const int n = weights.feature_count();
-  Eigen::MatrixXd features(n, kMoving);
+  Eigen::MatrixXd features(weights.feature_count(), kMoving);
   for (int pass = 0; pass < 2; ++pass) {
     for (long t = 0; t < kMoving; ++t) {
       const double squat =
           0.5 * (1.0 - std::cos(2.0 * 3.14159265358979 * static_cast<double>(t) / 2000.0));
       Eigen::VectorXd u(kInputs);
       for (int m = 0; m < kInputs; ++m) u(m) = squat * std::cos(0.7 * m) + 0.1 * std::sin(m);
-      if (network.Step(u) != esn::StepStatus::kOk) return 1;
+      if (network.Step(u) != esn::StepStatus::kOk) return {};
       features.col(t) = network.features();
     }
   }
+  return features;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  long updates = 10'000'000;
+  rls::Config config;
+  for (int i = 1; i < argc; ++i) {
+    if (std::string_view(argv[i]) == "--directional") {
+      config.directional = true;
+      config.forgetting = 0.993;
+      config.leak = 0.02;
+      config.prior_precision = 700.0;
+    } else {
+      updates = std::atol(argv[i]);
+    }
+  }
+  const Eigen::MatrixXd features = Features();
+  if (features.cols() == 0) return 1;
+  const auto n = static_cast<int>(features.rows());
 
   std::mt19937_64 bits(1);
   std::normal_distribution<double> normal;
@@ -59,13 +75,6 @@ int main(int argc, char** argv) {
   };
   const Eigen::MatrixXd offline = random(1.0);
   const Eigen::MatrixXd change = random(0.2);
-  rls::Config config;
-  if (directional) {
-    config.directional = true;
-    config.forgetting = 0.993;
-    config.leak = 0.02;
-    config.prior_precision = 700.0;
-  }
   rls::RecursiveLeastSquares rls(config, offline);
   double settled = 0.0;
   long settled_count = 0;

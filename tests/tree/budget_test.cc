@@ -21,15 +21,16 @@ using ::testing::Key;
 
 constexpr const char* kPage = "docs/budget.md";
 
-// Source files of the product.
-std::vector<std::string> Product() {
-  std::vector<std::string> product;
-  for (const char* top : {"bridge", "components", "sim", "tools"}) {
+constexpr std::size_t kLongestFunction = 80;  // lines
+
+std::vector<std::string> Sources(const std::vector<const char*>& tops) {
+  std::vector<std::string> sources;
+  for (const char* top : tops) {
     for (const std::string& file : Files(top)) {
-      if (EndsWith(file, ".cc") || EndsWith(file, ".h")) product.push_back(file);
+      if (EndsWith(file, ".cc") || EndsWith(file, ".h")) sources.push_back(file);
     }
   }
-  return product;
+  return sources;
 }
 
 // "components/wing/module" or "top/module".
@@ -46,6 +47,7 @@ std::size_t Indentation(const std::string& line) { return line.find_first_not_of
 
 struct Function {
   std::size_t first_line = 0, lines = 0;  // first_line from 1
+  std::string head;                       // before the arguments
 };
 
 bool IsNoCode(const std::string& line) {
@@ -76,7 +78,7 @@ std::vector<Function> FunctionsOf(const std::vector<std::string>& lines) {
     const std::string closing = std::string(Indentation(lines[begin]), ' ') + "}";
     std::size_t last = end + 1;
     while (last < lines.size() && !StartsWith(lines[last], closing)) ++last;
-    functions.push_back({begin + 1, last - begin + 1});
+    functions.push_back({begin + 1, last - begin + 1, head});
     end = last;
   }
   return functions;
@@ -114,6 +116,30 @@ const std::vector<Rule> kRules = {
   EXPECT_THAT(numbers, ElementsAre(4, 3, 10, 10));
 }
 
+// Functions that are longer today; they may not grow.
+const std::map<std::string, std::size_t> kLonger = {
+    {"components/model/arm/arm_fit.cc: ArmFit Arm::Fit", 124},
+    {"components/model/trace/shift.cc: std::vector<ParameterShift> FindShifts", 115},
+};
+
+TEST(Budget, NoFunctionIsLongerThanEightyLines) {
+  std::size_t read = 0, longer = 0;
+  for (const char* top : {"bench", "bridge", "components", "sim", "tools"}) {
+    for (const std::string& file : Sources({top})) {
+      for (const Function& function : FunctionsOf(Lines(Read(kRoot / file)))) {
+        ++read;
+        if (function.lines <= kLongestFunction) continue;
+        ++longer;
+        const auto known = kLonger.find(file + ": " + function.head);
+        EXPECT_LE(function.lines, known == kLonger.end() ? kLongestFunction : known->second)
+            << file << ":" << function.first_line << ": " << function.head;
+      }
+    }
+  }
+  EXPECT_GT(read, 5000u);
+  EXPECT_EQ(longer, kLonger.size()) << "functions that are short now, or have another name";
+}
+
 // Limits of a table of docs/budget.md.
 std::map<std::string, long> Limits(const std::string& heading) {
   std::map<std::string, long> limits;
@@ -124,25 +150,17 @@ std::map<std::string, long> Limits(const std::string& heading) {
 }
 
 TEST(Budget, TheProductKeepsItsLimits) {
-  long product = 0, longest = 0;
+  long product = 0;
   std::map<std::string, long> modules;
-  std::string longest_place;
-  for (const std::string& file : Product()) {
-    const std::vector<std::string> lines = Lines(Read(kRoot / file));
-    const long count = static_cast<long>(lines.size());
+  for (const std::string& file : Sources({"bridge", "components", "sim", "tools"})) {
+    const long count = static_cast<long>(Lines(Read(kRoot / file)).size());
     product += count;
     modules[ModuleOf(file)] += count;
-    for (const Function& function : FunctionsOf(lines)) {
-      if (static_cast<long>(function.lines) <= longest) continue;
-      longest = static_cast<long>(function.lines);
-      longest_place = file + ":" + std::to_string(function.first_line);
-    }
   }
   const std::string advice = std::string("; see ") + kPage;
   std::map<std::string, long> limits = Limits("## Limits");
-  ASSERT_EQ(limits.size(), 2u);
+  ASSERT_EQ(limits.size(), 1u);
   EXPECT_LE(product, limits["lines of product"]) << advice;
-  EXPECT_LE(longest, limits["lines of the longest function"]) << longest_place << advice;
 
   std::map<std::string, long> module_limits = Limits("## Lines of each module");
   for (const auto& [module, count] : modules) {

@@ -19,6 +19,33 @@ void CheckScored(const std::vector<int>& scored_joints, int joint_count) {
                               std::to_string(joint_count - 1));
 }
 
+// What reference and control are given at a tick, as the topics would carry it.
+control::RobotInput InputAt(std::uint64_t tick, double period_s, int joints,
+                            const provider::PlantSensors& sensors,
+                            reference::RobotReference* generator) {
+  reference::RobotReferenceInput asked;
+  asked.session_id = 1;
+  asked.tick = tick;
+  asked.period_s = period_s;
+  asked.may_move = true;
+  asked.joint_count = joints;
+  asked.position_rad = sensors.position_rad;
+  asked.valid = sensors.valid;
+  const reference::RobotReferenceOutput wanted = generator->Step(asked);
+  control::RobotInput input;
+  input.session_id = 1;
+  input.period_s = period_s;
+  input.armed = true;
+  input.joint_count = joints;
+  input.reference_fresh = true;
+  input.reference_count = wanted.idle ? 0 : wanted.joint_count;
+  for (int j = 0; j < joints; ++j) {
+    input.joint[j] = MeasuredJoint(sensors, static_cast<std::size_t>(j));
+    input.reference[j] = wanted.joint[j];
+  }
+  return input;
+}
+
 }  // namespace
 
 bool HasFallen(const provider::SimulatedPlant& plant, const FallLimits& limits) noexcept {
@@ -53,7 +80,6 @@ ClosedLoopScore RunClosedLoop(const ClosedLoopConfig& config, provider::Plant& p
   reference::RobotReference generator(config.reference);
   std::vector<pneumatics::PressureManager> managers;
   for (const auto& joint : config.pneumatics) managers.emplace_back(joint);
-
   provider::PlantSensors sensors;
   provider::PlantCommand command;
   std::deque<provider::PlantCommand> waiting;
@@ -64,45 +90,25 @@ ClosedLoopScore RunClosedLoop(const ClosedLoopConfig& config, provider::Plant& p
   double squares = 0.0, torque_squares = 0.0, change_squares = 0.0;
   const auto ticks = static_cast<std::uint64_t>(std::llround(config.duration_s * config.rate_Hz));
   for (std::uint64_t tick = 0; tick < ticks; ++tick) {
-    if (config.each_tick) config.each_tick(static_cast<double>(tick) * period_s, sensors);
-    reference::RobotReferenceInput asked;
-    asked.session_id = 1;
-    asked.tick = tick;
-    asked.period_s = period_s;
-    asked.may_move = true;
-    asked.joint_count = joints;
-    asked.position_rad = sensors.position_rad;
-    asked.valid = sensors.valid;
-    const reference::RobotReferenceOutput wanted = generator.Step(asked);
-
-    control::RobotInput input;
-    input.session_id = 1;
-    input.period_s = period_s;
-    input.armed = true;
-    input.joint_count = joints;
-    input.reference_fresh = true;
-    input.reference_count = wanted.idle ? 0 : wanted.joint_count;
-    for (int j = 0; j < joints; ++j) {
-      input.joint[j] = MeasuredJoint(sensors, static_cast<std::size_t>(j));
-      input.reference[j] = wanted.joint[j];
-    }
+    const double time_s = static_cast<double>(tick) * period_s;
+    if (config.each_tick) config.each_tick(time_s, sensors);
+    const control::RobotInput input = InputAt(tick, period_s, joints, sensors, &generator);
+    const bool idle = input.reference_count == 0;
     const control::RobotOutput output = controller.Step(input);
     score.faulted = score.faulted || output.fault != control::Fault::kNone || sensors.fault;
-
-    const double time_s = static_cast<double>(tick) * period_s;
     if (trace != nullptr) {
       const auto j = static_cast<std::size_t>(config.scored_joints.front());
-      trace->push_back({time_s, wanted.idle, wanted.joint[j].position_rad, sensors.position_rad[j],
+      trace->push_back({time_s, idle, input.reference[j].position_rad, sensors.position_rad[j],
                         output.joint[j].motor_torque_Nm, output.joint[j].compensation_Nm});
     }
-    const bool scores = !wanted.idle && time_s >= config.score_from_s && time_s < config.score_to_s;
+    const bool scores = !idle && time_s >= config.score_from_s && time_s < config.score_to_s;
     for (const int joint : config.scored_joints) {
       const auto j = static_cast<std::size_t>(joint);
       const double torque_Nm = output.joint[j].motor_torque_Nm;
       const double change_Nm = torque_Nm - torque_before_Nm[j];
       torque_before_Nm[j] = torque_Nm;
       if (!scores) continue;
-      const double error_rad = wanted.joint[j].position_rad - sensors.position_rad[j];
+      const double error_rad = input.reference[j].position_rad - sensors.position_rad[j];
       squares += error_rad * error_rad;
       score.worst_rad = std::max(score.worst_rad, std::abs(error_rad));
       torque_squares += torque_Nm * torque_Nm;
@@ -110,7 +116,6 @@ ClosedLoopScore RunClosedLoop(const ClosedLoopConfig& config, provider::Plant& p
       saturated += output.joint[j].saturated;
       ++scored;
     }
-
     for (int j = 0; j < joints; ++j) {
       command.mode[j] = output.joint[j].mode;
       command.motor_torque_Nm[j] = output.joint[j].motor_torque_Nm;
@@ -137,13 +142,11 @@ ClosedLoopScore RunClosedLoop(const ClosedLoopConfig& config, provider::Plant& p
       break;
     }
   }
-  if (scored > 0) {
-    const auto count = static_cast<double>(scored);
-    score.mse_rad2 = squares / count;
-    score.torque_rms_Nm = std::sqrt(torque_squares / count);
-    score.torque_change_rms_Nm = std::sqrt(change_squares / count);
-    score.saturated_share = static_cast<double>(saturated) / count;
-  }
+  const auto count = static_cast<double>(std::max(scored, 1L));
+  score.mse_rad2 = squares / count;
+  score.torque_rms_Nm = std::sqrt(torque_squares / count);
+  score.torque_change_rms_Nm = std::sqrt(change_squares / count);
+  score.saturated_share = static_cast<double>(saturated) / count;
   return score;
 }
 

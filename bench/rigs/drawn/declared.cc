@@ -24,6 +24,31 @@ Parameter Exactly(std::string key, double truth) {
   return {std::move(key), truth, truth, 0.0, true};
 }
 
+// How well the drive's scale is known: some data sheets are better than others.
+Term DriveTerm(const Rig& rig, Random& random, const std::string& gain_key) {
+  const double tolerance = random.Chance(0.5) ? 0.05 : kTolerance;
+  const auto about = [&](const std::string& key, double truth) {
+    Parameter p = About(random, key, truth);
+    p.tolerance = tolerance;
+    p.nominal = p.truth + (p.nominal - p.truth) * tolerance / kTolerance;
+    return p;
+  };
+  switch (rig.drive) {
+    case Drive::kCurrent: {
+      const Parameter p = about("efficiency", rig.efficiency);
+      const bool rigid = rig.coupling == Coupling::kRigid;
+      return {"drive_current", "", {rigid ? Exactly("efficiency", rig.efficiency) : p}};
+    }
+    case Drive::kCommand:
+      return {"drive_voltage", "", {Exactly(gain_key, rig.command_gain)}};
+    case Drive::kWinding:
+      return {"drive_voltage", "", {about(gain_key, rig.winding_gain)}};
+    case Drive::kSensor:
+      return {"drive_torque", "", {Exactly("gain", 1.0)}};
+  }
+  return {};
+}
+
 }  // namespace
 
 std::vector<Term> Declare(const Rig& rig) {
@@ -32,31 +57,7 @@ std::vector<Term> Declare(const Rig& rig) {
   const std::string force = rig.linear ? "N" : "Nm", length = rig.linear ? "m" : "rad";
   const std::string mass = rig.linear ? "kg" : "kg_m2";
   const bool two_bodies = rig.drive == Drive::kCurrent && rig.motor_encoder && rig.output_encoder;
-  // How well the drive's scale is known: some data sheets are better than others.
-  const double drive_tolerance = random.Chance(0.5) ? 0.05 : kTolerance;
-  switch (rig.drive) {
-    case Drive::kCurrent: {
-      Parameter p = About(random, "efficiency", rig.efficiency);
-      p.tolerance = drive_tolerance;
-      p.nominal = p.truth + (p.nominal - p.truth) * drive_tolerance / kTolerance;
-      if (rig.coupling == Coupling::kRigid) p = Exactly("efficiency", rig.efficiency);
-      terms.push_back({"drive_current", "", {p}});
-      break;
-    }
-    case Drive::kCommand:
-      terms.push_back({"drive_voltage", "", {Exactly("gain_" + force + "_V", rig.command_gain)}});
-      break;
-    case Drive::kWinding: {
-      Parameter p = About(random, "gain_" + force + "_V", rig.winding_gain);
-      p.tolerance = drive_tolerance;
-      p.nominal = p.truth + (p.nominal - p.truth) * drive_tolerance / kTolerance;
-      terms.push_back({"drive_voltage", "", {p}});
-      break;
-    }
-    case Drive::kSensor:
-      terms.push_back({"drive_torque", "", {Exactly("gain", 1.0)}});
-      break;
-  }
+  terms.push_back(DriveTerm(rig, random, "gain_" + force + "_V"));
   if (two_bodies && rig.coupling != Coupling::kRigid) {
     terms.push_back(
         {"rotor_inertia", "", {About(random, "rotor_inertia_" + mass, rig.rotor_inertia)}});
@@ -185,6 +186,98 @@ std::vector<bool> Usable(const Rig& rig, const std::vector<TrueRow>& rows, Shows
   return use;
 }
 
+namespace {
+
+using ReadingAt = std::vector<const Reading*>;  // by grid point; null: the row is lost
+
+void FillKinematic(const Rig& rig, const std::vector<int>& rows, const ReadingAt& at,
+                   Balance* out) {
+  const auto count = static_cast<Eigen::Index>(rows.size());
+  out->response.resize(count);
+  out->columns.setOnes(count, 1);
+  out->prior_sd.setConstant(1, std::numeric_limits<double>::infinity());
+  for (Eigen::Index k = 0; k < count; ++k) {
+    const Reading& r = *at[static_cast<std::size_t>(rows[static_cast<std::size_t>(k)])];
+    const double side = r.tooth_force > 0.0 ? 1.0 : -1.0;
+    out->response[k] = r.motor_rad / rig.gear_ratio - r.position -
+                       (0.5 * side * rig.play + r.tooth_force / rig.stiffness);
+  }
+}
+
+// Pressure against the integral of isothermal compression, each freed of its window's mean.
+void FillGas(const Rig& rig, const std::vector<int>& rows, const ReadingAt& at,
+             const Eigen::VectorXd& position, const Eigen::VectorXd& pressure_bar, Balance* out) {
+  const auto count = static_cast<Eigen::Index>(rows.size());
+  Eigen::VectorXd compressed = Eigen::VectorXd::Zero(rig.rows);
+  auto volume = [&rig, &position](int i) {
+    const double s = position[i] - rig.rest_position;
+    return rig.gas_volume_m3 +
+           1e-5 * (rig.pneumatic_slope * s - 0.5 * rig.pneumatic_stiffness * s * s);
+  };
+  for (int i = 1; i < rig.rows; ++i) {
+    const double change = (volume(i) - volume(i - 1)) / volume(i);
+    compressed[i] = compressed[i - 1] - (pressure_bar[i] + kAtmosphere_bar) * change;
+  }
+  out->response.resize(count);
+  out->columns.resize(count, 1);
+  out->prior_sd.setConstant(1, std::numeric_limits<double>::infinity());
+  for (Eigen::Index first = 0, k = 0; k < count; ++k) {
+    const int i = rows[static_cast<std::size_t>(k)];
+    out->response[k] = at[static_cast<std::size_t>(i)]->pressure_bar;
+    out->columns(k, 0) = compressed[i];
+    const bool ends = k + 1 == count || rows[static_cast<std::size_t>(k + 1)] - i > 10 ||
+                      i - rows[static_cast<std::size_t>(first)] > kGasWindow_s * rig.rate_Hz;
+    if (!ends) continue;
+    out->response.segment(first, k + 1 - first).array() -=
+        out->response.segment(first, k + 1 - first).mean();
+    out->columns.col(0).segment(first, k + 1 - first).array() -=
+        out->columns.col(0).segment(first, k + 1 - first).mean();
+    first = k + 1;
+  }
+}
+
+double DriveForce(const Rig& rig, const Reading& r, double velocity) {
+  const double unit = rig.drive == Drive::kCommand   ? rig.command_gain
+                      : rig.drive == Drive::kWinding ? rig.winding_gain
+                      : rig.drive == Drive::kSensor
+                          ? 1.0
+                          : rig.efficiency * rig.gear_ratio * rig.torque_constant_Nm_A;
+  double drive = unit * r.drive;
+  if (rig.drive == Drive::kWinding) {
+    drive -= unit * rig.back_emf_V_s_rad * rig.gear_ratio * velocity;
+  }
+  return drive;
+}
+
+// What a declared payload and the hand take of it.
+double HeldForce(const Rig& rig, bool known, const Reading& r, const Smooth& link, int i) {
+  const double arm = rig.link_length_m;
+  double held = 0.0;
+  if (known && rig.payloads) {
+    held += r.payload_kg * arm * (arm * link.acceleration[i] + kGravity * std::cos(link.value[i]));
+  }
+  if (rig.load_cell) held += arm * r.load_force_N;
+  return held;
+}
+
+// Regressor of a declared effect.
+double ValueOf(const std::string& name, const Rig& rig, const Smooth& link, const Smooth& motor,
+               const Smooth& gas, int i) {
+  double value = 0.0;
+  if (name == "rotor_inertia") value = motor.acceleration[i];
+  if (name == "link_inertia" || name == "inertia") value = link.acceleration[i];
+  if (name == "motor_viscous") value = motor.velocity[i];
+  if (name == "viscous") value = link.velocity[i];
+  if (name == "coulomb") value = link.velocity[i] > 0.0 ? 1.0 : -1.0;
+  if (name == "gravity") value = std::cos(link.value[i]);
+  if (name == "offset") value = -1.0;
+  if (name == "pneumatic_torque") value = -gas.value[i];
+  if (name == "pneumatic_stiffness") value = gas.value[i] * (link.value[i] - rig.rest_position);
+  return value;
+}
+
+}  // namespace
+
 Balance MakeBalance(const Rig& rig, const std::vector<Reading>& readings,
                     const std::vector<bool>& usable, Shows shows, double width_rows,
                     int recording) {
@@ -231,48 +324,12 @@ Balance MakeBalance(const Rig& rig, const std::vector<Reading>& readings,
   const auto count = static_cast<Eigen::Index>(rows.size());
   out.row.reserve(rows.size());
   for (const int i : rows) out.row.push_back(i + kGridStride * recording);
-  const double infinite = std::numeric_limits<double>::infinity();
   if (shows == Shows::kKinematic) {
-    out.response.resize(count);
-    out.columns.setOnes(count, 1);
-    out.prior_sd.setConstant(1, infinite);
-    for (Eigen::Index k = 0; k < count; ++k) {
-      const Reading& r = *at[static_cast<std::size_t>(rows[static_cast<std::size_t>(k)])];
-      const double side = r.tooth_force > 0.0 ? 1.0 : -1.0;
-      out.response[k] = r.motor_rad / rig.gear_ratio - r.position -
-                        (0.5 * side * rig.play + r.tooth_force / rig.stiffness);
-    }
+    FillKinematic(rig, rows, at, &out);
     return out;
   }
-
   if (shows == Shows::kGas) {
-    // Pressure against the integral of isothermal compression, each freed of its window's mean.
-    Eigen::VectorXd compressed = Eigen::VectorXd::Zero(n);
-    auto volume = [&rig, &link](int i) {
-      const double s = link.value[i] - rig.rest_position;
-      return rig.gas_volume_m3 +
-             1e-5 * (rig.pneumatic_slope * s - 0.5 * rig.pneumatic_stiffness * s * s);
-    };
-    for (int i = 1; i < n; ++i) {
-      const double change = (volume(i) - volume(i - 1)) / volume(i);
-      compressed[i] = compressed[i - 1] - (gas.value[i] + kAtmosphere_bar) * change;
-    }
-    out.response.resize(count);
-    out.columns.resize(count, 1);
-    out.prior_sd.setConstant(1, infinite);
-    for (Eigen::Index first = 0, k = 0; k < count; ++k) {
-      const int i = rows[static_cast<std::size_t>(k)];
-      out.response[k] = at[static_cast<std::size_t>(i)]->pressure_bar;
-      out.columns(k, 0) = compressed[i];
-      const bool ends = k + 1 == count || rows[static_cast<std::size_t>(k + 1)] - i > 10 ||
-                        i - rows[static_cast<std::size_t>(first)] > kGasWindow_s * rig.rate_Hz;
-      if (!ends) continue;
-      out.response.segment(first, k + 1 - first).array() -=
-          out.response.segment(first, k + 1 - first).mean();
-      out.columns.col(0).segment(first, k + 1 - first).array() -=
-          out.columns.col(0).segment(first, k + 1 - first).mean();
-      first = k + 1;
-    }
+    FillGas(rig, rows, at, link.value, gas.value, &out);
     return out;
   }
 
@@ -285,41 +342,15 @@ Balance MakeBalance(const Rig& rig, const std::vector<Reading>& readings,
   for (std::size_t c = 0; c < columns.size(); ++c)
     out.prior_sd[static_cast<Eigen::Index>(c)] = sd[c];
   if (scaled) out.prior_sd[width - 1] = drive_sd;
-  const double unit = rig.drive == Drive::kCommand   ? rig.command_gain
-                      : rig.drive == Drive::kWinding ? rig.winding_gain
-                      : rig.drive == Drive::kSensor
-                          ? 1.0
-                          : rig.efficiency * rig.gear_ratio * rig.torque_constant_Nm_A;
-  const double arm = rig.link_length_m;
   for (Eigen::Index k = 0; k < count; ++k) {
     const int i = rows[static_cast<std::size_t>(k)];
     const Reading& r = *at[static_cast<std::size_t>(i)];
-    const double sign = link.velocity[i] > 0.0 ? 1.0 : -1.0;
-    double held = 0.0;
-    if (known && rig.payloads) {
-      held +=
-          r.payload_kg * arm * (arm * link.acceleration[i] + kGravity * std::cos(link.value[i]));
-    }
-    if (rig.load_cell) held += arm * r.load_force_N;
-    double drive = unit * r.drive;
-    if (rig.drive == Drive::kWinding) {
-      drive -= unit * rig.back_emf_V_s_rad * rig.gear_ratio * link.velocity[i];
-    }
-    if (shows == Shows::kLocked) drive = 0.0;
+    const double held = HeldForce(rig, known, r, link, i);
+    const double drive = shows == Shows::kLocked ? 0.0 : DriveForce(rig, r, link.velocity[i]);
     out.response[k] = drive - held;
     double force = 0.0;
     for (std::size_t c = 0; c < columns.size(); ++c) {
-      const std::string& name = columns[c];
-      double value = 0.0;
-      if (name == "rotor_inertia") value = motor.acceleration[i];
-      if (name == "link_inertia" || name == "inertia") value = link.acceleration[i];
-      if (name == "motor_viscous") value = motor.velocity[i];
-      if (name == "viscous") value = link.velocity[i];
-      if (name == "coulomb") value = sign;
-      if (name == "gravity") value = std::cos(link.value[i]);
-      if (name == "offset") value = -1.0;
-      if (name == "pneumatic_torque") value = -gas.value[i];
-      if (name == "pneumatic_stiffness") value = gas.value[i] * (link.value[i] - rig.rest_position);
+      const double value = ValueOf(columns[c], rig, link, motor, gas, i);
       out.columns(k, static_cast<Eigen::Index>(c)) = value;
       force += value * sd[c] / kTolerance;
     }

@@ -11,71 +11,72 @@ namespace sinew::rigs {
 namespace {
 using types::kPi;
 constexpr double kImpact_s = 0.008;
+
+constexpr std::pair<const char*, double Undeclared::*> kSizes[] = {
+    {"direction_dependent_coulomb", &Undeclared::coulomb_asymmetry},
+    {"direction_dependent_viscous", &Undeclared::viscous_asymmetry},
+    {"quadratic_viscous", &Undeclared::quadratic},
+    {"stribeck", &Undeclared::stribeck},
+    {"presliding", &Undeclared::presliding},
+    {"load_dependent_friction", &Undeclared::load_share},
+    {"drive_efficiency_direction", &Undeclared::backward_gain},
+    {"temperature_friction", &Undeclared::warm_share},
+    {"cogging", &Undeclared::cogging},
+    {"gear_eccentricity", &Undeclared::eccentricity},
+    {"gear_compliance", &Undeclared::tooth_compliance},
+    {"backlash_width", &Undeclared::play},
+    {"encoder_eccentricity", &Undeclared::encoder_wave},
+    {"elastic_joint", &Undeclared::elastic_s},
+    {"flexible_link", &Undeclared::flexible_share},
+    {"transport_delay", &Undeclared::delay_s},
+    {"torque_constant_saturation", &Undeclared::saturation},
+    {"torque_constant_gain", &Undeclared::drive_gain},
+    {"current_offset", &Undeclared::current_offset},
+    {"payload", &Undeclared::payload_kg},
+    {"payload_step", &Undeclared::step_kg},
+    {"external_bump", &Undeclared::bump},
+    {"load_cell_gain", &Undeclared::cell_gain},
+    {"load_cell_misalignment", &Undeclared::cell_angle},
+    {"gravity_phase", &Undeclared::tilt},
+    {"pressure_dependent_friction", &Undeclared::pressure_friction},
+    {"pressure_gain", &Undeclared::pressure_gain},
+    {"pressure_offset", &Undeclared::pressure_offset},
+    {"pressure_lag", &Undeclared::pressure_lag_s},
+    {"seal_hysteresis", &Undeclared::seal},
+    {"stiffness_collapse", &Undeclared::collapse},
+    {"leak", &Undeclared::leak_m2},
+    {"gas_heat_exchange", &Undeclared::gas_wall_s},
+    {"cable_drag", &Undeclared::cable},
+    {"bad_tooth", &Undeclared::tooth_defect},
+    {"supply_sag", &Undeclared::sag},
+    {"slow_tilt", &Undeclared::slow_tilt},
+    {"slipping_magnet", &Undeclared::slip},
+    {"stiction_after_rest", &Undeclared::rest_stiction},
+    {"impacts", &Undeclared::impacts},
+    {"warm_up", &Undeclared::warm_up},
+};
+constexpr std::pair<const char*, std::array<double, 4> Undeclared::*> kShapes[] = {
+    {"cogging", &Undeclared::cogging_shape},
+    {"gear_eccentricity", &Undeclared::eccentricity_shape},
+    {"encoder_eccentricity", &Undeclared::encoder_shape},
+    {"flexible_link", &Undeclared::flexible_shape},
+    {"seal_hysteresis", &Undeclared::seal_shape},
+    {"stiffness_collapse", &Undeclared::collapse_shape},
+    {"cable_drag", &Undeclared::cable_shape},
+    {"bad_tooth", &Undeclared::defect_shape},
+    {"stiction_after_rest", &Undeclared::rest_shape},
+    {"warm_up", &Undeclared::warm_shape},
+};
 }  // namespace
 
 Undeclared Resolve(const Rig& rig, const std::vector<Effect>& effects, const Motion& motion) {
   Undeclared u;
-  const std::pair<const char*, double Undeclared::*> sizes[] = {
-      {"direction_dependent_coulomb", &Undeclared::coulomb_asymmetry},
-      {"direction_dependent_viscous", &Undeclared::viscous_asymmetry},
-      {"quadratic_viscous", &Undeclared::quadratic},
-      {"stribeck", &Undeclared::stribeck},
-      {"presliding", &Undeclared::presliding},
-      {"load_dependent_friction", &Undeclared::load_share},
-      {"drive_efficiency_direction", &Undeclared::backward_gain},
-      {"temperature_friction", &Undeclared::warm_share},
-      {"cogging", &Undeclared::cogging},
-      {"gear_eccentricity", &Undeclared::eccentricity},
-      {"gear_compliance", &Undeclared::tooth_compliance},
-      {"backlash_width", &Undeclared::play},
-      {"encoder_eccentricity", &Undeclared::encoder_wave},
-      {"elastic_joint", &Undeclared::elastic_s},
-      {"flexible_link", &Undeclared::flexible_share},
-      {"transport_delay", &Undeclared::delay_s},
-      {"torque_constant_saturation", &Undeclared::saturation},
-      {"torque_constant_gain", &Undeclared::drive_gain},
-      {"current_offset", &Undeclared::current_offset},
-      {"payload", &Undeclared::payload_kg},
-      {"payload_step", &Undeclared::step_kg},
-      {"external_bump", &Undeclared::bump},
-      {"load_cell_gain", &Undeclared::cell_gain},
-      {"load_cell_misalignment", &Undeclared::cell_angle},
-      {"gravity_phase", &Undeclared::tilt},
-      {"pressure_dependent_friction", &Undeclared::pressure_friction},
-      {"pressure_gain", &Undeclared::pressure_gain},
-      {"pressure_offset", &Undeclared::pressure_offset},
-      {"pressure_lag", &Undeclared::pressure_lag_s},
-      {"seal_hysteresis", &Undeclared::seal},
-      {"stiffness_collapse", &Undeclared::collapse},
-      {"leak", &Undeclared::leak_m2},
-      {"gas_heat_exchange", &Undeclared::gas_wall_s},
-      {"cable_drag", &Undeclared::cable},
-      {"bad_tooth", &Undeclared::tooth_defect},
-      {"supply_sag", &Undeclared::sag},
-      {"slow_tilt", &Undeclared::slow_tilt},
-      {"slipping_magnet", &Undeclared::slip},
-      {"stiction_after_rest", &Undeclared::rest_stiction},
-      {"impacts", &Undeclared::impacts},
-      {"warm_up", &Undeclared::warm_up},
-  };
-  const std::pair<const char*, std::array<double, 4> Undeclared::*> shapes[] = {
-      {"cogging", &Undeclared::cogging_shape},
-      {"gear_eccentricity", &Undeclared::eccentricity_shape},
-      {"encoder_eccentricity", &Undeclared::encoder_shape},
-      {"flexible_link", &Undeclared::flexible_shape},
-      {"seal_hysteresis", &Undeclared::seal_shape},
-      {"stiffness_collapse", &Undeclared::collapse_shape},
-      {"cable_drag", &Undeclared::cable_shape},
-      {"bad_tooth", &Undeclared::defect_shape},
-      {"stiction_after_rest", &Undeclared::rest_shape},
-      {"warm_up", &Undeclared::warm_shape},
-  };
   for (const Effect& effect : effects) {
     FindEffect(effect.name);  // throws
-    for (const auto& [name, member] : sizes) {
+    for (const auto& [name, member] : kSizes) {
       if (effect.name == name) u.*member = effect.size;
     }
-    for (const auto& [name, member] : shapes) {
+    for (const auto& [name, member] : kShapes) {
       if (effect.name == name) u.*member = effect.shape;
     }
     if (effect.name == "stribeck") u.stribeck_speed = effect.shape[0];

@@ -35,7 +35,6 @@ Motion::Motion(const Rig& rig, Excitation excitation, int recording) {
   ambient_degC_ = random.Uniform(20.0, 25.0);
   start_degC_ = ambient_degC_ + random.Uniform(0.0, 12.0);
   fade_s_ = 0.7 / rig.frequency_Hz;
-  const double T = duration_s_;
   const bool held_out = recording == kRecordings - 1;
   if (locked_) {
     for (int i = 0; i < 5; ++i) {
@@ -47,71 +46,80 @@ Motion::Motion(const Rig& rig, Excitation excitation, int recording) {
   }
 
   if (excitation == Excitation::kDesigned) {
-    // Shares of the time; the held-out recording has them in another order and proportion.
-    enum { kFast, kSweep, kSlow, kCreep, kStop, kAgain };
-    std::vector<std::pair<int, double>> plan = {{kFast, 0.24},  {kSweep, 0.14}, {kSlow, 0.22},
-                                                {kCreep, 0.12}, {kStop, 0.10},  {kAgain, 0.18}};
-    if (held_out) {
-      plan = {{kSlow, 0.25}, {kAgain, 0.30}, {kCreep, 0.10}, {kStop, 0.09}, {kFast, 0.26}};
-    }
-    double t = 0.0;
-    for (const auto& [what, share] : plan) {
-      Part part;
-      part.begin = t;
-      part.end = t += share * T;
-      const double f = rig.frequency_Hz * (held_out ? 0.8 : 1.0);
-      if (what == kFast || what == kAgain) {
-        const int count = random.Integer(5, 8);
-        double sum = 0.0;
-        for (int i = 0; i < count; ++i) {
-          const double hz =
-              f * (what == kFast ? random.LogUniform(0.3, 2.2) : random.LogUniform(0.15, 1.2));
-          const double size = std::min(1.0, f / hz) * random.Uniform(0.5, 1.0);
-          part.sines.push_back({size, 2.0 * kPi * hz, 2.0 * kPi * random.Uniform()});
-          sum += size;
-        }
-        for (Sine& sine : part.sines) sine.amplitude *= 1.5 * amplitude_ / sum;
-      } else if (what == kSweep) {
-        part.kind = Part::kChirp;
-        part.low = 0.2 * f;
-        part.high = 3.0 * f;
-      } else if (what == kStop) {
-        part.kind = Part::kPoints;
-        for (int i = 0; i < 3; ++i) part.points.push_back(random.Uniform(-0.7, 0.7));
-        part.move = std::min(0.5 / rig.frequency_Hz, 0.4 * (part.end - part.begin) / 3.0);
-        part.dwell = (part.end - part.begin) / 3.0 - part.move;
-      } else {
-        part.kind = Part::kRamps;
-        part.low = -random.Uniform(0.6, 0.95);
-        part.high = random.Uniform(0.6, 0.95);
-        const double speed = rig.speed() * (what == kSlow ? 0.25 : 0.06);
-        part.period = 2.0 * (part.high - part.low) * amplitude_ / speed;
-        const double fits = 0.5 * (part.end - part.begin);
-        if (part.period > fits) {  // a shorter stroke, or the ramp is too fast to be slow
-          part.high = part.low + 0.5 * fits * speed / amplitude_;
-          part.period = fits;
-        }
-      }
-      parts_.push_back(part);
-    }
-    const int levels = 6;
-    for (int i = 0; i < levels; ++i) {
-      pressures_.push_back(rig.pressure_max_bar * random.Uniform(0.05, 1.0));
-    }
-    if (rig.load_cell) {
-      double at = random.Uniform(0.05, 0.1) * T;
-      while (at < 0.95 * T) {
-        const double length = random.LogUniform(0.3, 1.5) / rig.frequency_Hz;
-        pushes_.push_back({at, length, rig.hand_N * random.Uniform(0.3, 1.0) * random.Sign()});
-        at += length + random.Uniform(0.02, 0.1) * T;
-      }
-    }
+    DrawDesigned(rig, held_out, random);
     payload_kg_ = rig.payloads && recording % 2 == 1 ? rig.payload_kg : 0.0;
   } else {
     parts_.push_back(DrawTask(rig, held_out, task, random));
     pressures_ = {rig.pressure_max_bar * task.Uniform(0.4, 0.8)};
     payload_kg_ = rig.payloads ? rig.payload_kg * 0.7 : 0.0;
   }
+}
+
+void Motion::DrawDesigned(const Rig& rig, bool held_out, Random& random) {
+  // Shares of the time; the held-out recording has them in another order and proportion.
+  std::vector<std::pair<Piece, double>> plan = {{kFast, 0.24},  {kSweep, 0.14}, {kSlow, 0.22},
+                                                {kCreep, 0.12}, {kStop, 0.10},  {kAgain, 0.18}};
+  if (held_out) {
+    plan = {{kSlow, 0.25}, {kAgain, 0.30}, {kCreep, 0.10}, {kStop, 0.09}, {kFast, 0.26}};
+  }
+  double t = 0.0;
+  for (const auto& [piece, share] : plan) {
+    const double begin = t;
+    t += share * duration_s_;
+    parts_.push_back(DrawPart(rig, piece, begin, t, held_out, random));
+  }
+  const int levels = 6;
+  for (int i = 0; i < levels; ++i) {
+    pressures_.push_back(rig.pressure_max_bar * random.Uniform(0.05, 1.0));
+  }
+  if (!rig.load_cell) return;
+  double at = random.Uniform(0.05, 0.1) * duration_s_;
+  while (at < 0.95 * duration_s_) {
+    const double length = random.LogUniform(0.3, 1.5) / rig.frequency_Hz;
+    pushes_.push_back({at, length, rig.hand_N * random.Uniform(0.3, 1.0) * random.Sign()});
+    at += length + random.Uniform(0.02, 0.1) * duration_s_;
+  }
+}
+
+Motion::Part Motion::DrawPart(const Rig& rig, Piece piece, double begin, double end, bool held_out,
+                              Random& random) const {
+  Part part;
+  part.begin = begin;
+  part.end = end;
+  const double f = rig.frequency_Hz * (held_out ? 0.8 : 1.0);
+  if (piece == kFast || piece == kAgain) {
+    const int count = random.Integer(5, 8);
+    double sum = 0.0;
+    for (int i = 0; i < count; ++i) {
+      const double hz =
+          f * (piece == kFast ? random.LogUniform(0.3, 2.2) : random.LogUniform(0.15, 1.2));
+      const double size = std::min(1.0, f / hz) * random.Uniform(0.5, 1.0);
+      part.sines.push_back({size, 2.0 * kPi * hz, 2.0 * kPi * random.Uniform()});
+      sum += size;
+    }
+    for (Sine& sine : part.sines) sine.amplitude *= 1.5 * amplitude_ / sum;
+  } else if (piece == kSweep) {
+    part.kind = Part::kChirp;
+    part.low = 0.2 * f;
+    part.high = 3.0 * f;
+  } else if (piece == kStop) {
+    part.kind = Part::kPoints;
+    for (int i = 0; i < 3; ++i) part.points.push_back(random.Uniform(-0.7, 0.7));
+    part.move = std::min(0.5 / rig.frequency_Hz, 0.4 * (part.end - part.begin) / 3.0);
+    part.dwell = (part.end - part.begin) / 3.0 - part.move;
+  } else {
+    part.kind = Part::kRamps;
+    part.low = -random.Uniform(0.6, 0.95);
+    part.high = random.Uniform(0.6, 0.95);
+    const double speed = rig.speed() * (piece == kSlow ? 0.25 : 0.06);
+    part.period = 2.0 * (part.high - part.low) * amplitude_ / speed;
+    const double fits = 0.5 * (part.end - part.begin);
+    if (part.period > fits) {  // a shorter stroke, or the ramp is too fast to be slow
+      part.high = part.low + 0.5 * fits * speed / amplitude_;
+      part.period = fits;
+    }
+  }
+  return part;
 }
 
 Motion::Part Motion::DrawTask(const Rig& rig, bool held_out, Random& task, Random& random) const {

@@ -47,7 +47,12 @@ class Motion {
   struct Push {
     double begin, length, force;
   };
+  enum Piece { kFast, kSweep, kSlow, kCreep, kStop, kAgain };  // of a designed motion
+
   double Of(const Part& part, double t) const;
+  void DrawDesigned(const Rig& rig, bool held_out, Random& random);
+  Part DrawPart(const Rig& rig, Piece piece, double begin, double end, bool held_out,
+                Random& random) const;
   // The task's only part; what is the same in every recording comes from `task`.
   Part DrawTask(const Rig& rig, bool held_out, Random& task, Random& random) const;
 

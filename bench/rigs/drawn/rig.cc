@@ -234,33 +234,26 @@ void DrawSensors(Rig& rig, Random& random) {
   rig.lost_rows = random.Chance(0.5) ? random.LogUniform(5e-4, 1e-2) : 0.0;
 }
 
+// In the order of Family.
+constexpr struct {
+  const char* word;
+  void (*draw)(Rig& rig, Random& random, double scale);
+} kFamilies[] = {
+    {"sea_pea", DrawSeaPea},
+    {"direct_drive", DrawDirectDrive},
+    {"harmonic", DrawHarmonic},
+    {"linear", DrawLinear},
+    {"servo", DrawServo},
+    {"cylinder", DrawCylinder},
+    {"hanging", DrawSeaPea},
+    {"belt", DrawBelt},
+    {"quasi_direct", DrawQuasiDirect},
+    {"air_spring", DrawAirSpring},
+};
+
 }  // namespace
 
-const char* WordOf(Family family) {
-  switch (family) {
-    case Family::kSeaPea:
-      return "sea_pea";
-    case Family::kDirectDrive:
-      return "direct_drive";
-    case Family::kHarmonic:
-      return "harmonic";
-    case Family::kLinear:
-      return "linear";
-    case Family::kServo:
-      return "servo";
-    case Family::kCylinder:
-      return "cylinder";
-    case Family::kHanging:
-      return "hanging";
-    case Family::kBelt:
-      return "belt";
-    case Family::kQuasiDirect:
-      return "quasi_direct";
-    case Family::kAirSpring:
-      return "air_spring";
-  }
-  return "";
-}
+const char* WordOf(Family family) { return kFamilies[static_cast<std::size_t>(family)].word; }
 
 double Rig::speed() const { return 2.0 * kPi * frequency_Hz * amplitude; }
 
@@ -287,36 +280,7 @@ Rig DrawRig(std::uint64_t number) {
                           static_cast<std::uint64_t>(third ? Family::kBelt : Family::kSeaPea));
   const double scale = random.LogUniform(0.1, 10.0);
   rig.rate_Hz = std::round(random.LogUniform(50.0, 1000.0));
-  switch (rig.family) {
-    case Family::kSeaPea:
-    case Family::kHanging:
-      DrawSeaPea(rig, random, scale);
-      break;
-    case Family::kDirectDrive:
-      DrawDirectDrive(rig, random, scale);
-      break;
-    case Family::kHarmonic:
-      DrawHarmonic(rig, random, scale);
-      break;
-    case Family::kLinear:
-      DrawLinear(rig, random, scale);
-      break;
-    case Family::kServo:
-      DrawServo(rig, random, scale);
-      break;
-    case Family::kCylinder:
-      DrawCylinder(rig, random, scale);
-      break;
-    case Family::kBelt:
-      DrawBelt(rig, random, scale);
-      break;
-    case Family::kQuasiDirect:
-      DrawQuasiDirect(rig, random, scale);
-      break;
-    case Family::kAirSpring:
-      DrawAirSpring(rig, random, scale);
-      break;
-  }
+  kFamilies[static_cast<std::size_t>(rig.family)].draw(rig, random, scale);
 
   // A slow log is not asked for fast motion. Durations stay within 10 to 300 s.
   rig.frequency_Hz = std::min(rig.frequency_Hz, rig.rate_Hz / 100.0);

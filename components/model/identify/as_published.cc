@@ -79,10 +79,8 @@ Regression Build(const types::Run& run, const actuator::JointModel& model,
     for (std::size_t t = 0; t < model.terms.size(); ++t) {
       const actuator::Term& term = model.terms[t];
       std::array<double, effects::kMaxParameters> phi{};
-      std::array<double, effects::kMaxParameters> psi{};
-      for (std::size_t n = 0; n < term.nonlinear.size(); ++n) psi[n] = term.nonlinear[n].value;
       const auto size = static_cast<std::size_t>(term.effect->memory_size());
-      term.effect->Regressors(x, {psi.data(), term.nonlinear.size()}, {memory.data() + at, size},
+      term.effect->Regressors(x, actuator::NonlinearValues(term), {memory.data() + at, size},
                               {phi.data(), term.linear.size()});
       at += size;
       for (std::size_t n = 0; n < term.linear.size(); ++n) {

@@ -86,6 +86,22 @@ void PlayOpenings(const std::vector<Opening>& openings, StateSet* states) {
   }
 }
 
+void SetVolumeRates(const actuator::JointModel& model, std::vector<effects::JointSample>* samples) {
+  const int stiffness = model.Find("pneumatic_stiffness");
+  const double rest_rad =
+      stiffness >= 0 ? model.terms[static_cast<std::size_t>(stiffness)].nonlinear[0].value : 0.0;
+  // The slope is a straight line for every pneumatic term there is: two values give the volume.
+  const double slope_at_rest = ChamberSlope_m3_rad(model, rest_rad);
+  const double bend = ChamberSlope_m3_rad(model, rest_rad + 1.0) - slope_at_rest;
+  for (effects::JointSample& x : *samples) {
+    const double from_rest = x.position_rad - rest_rad;
+    const double slope = slope_at_rest + bend * from_rest;
+    const double volume =
+        model.constants.gas_volume_m3 + (slope_at_rest + 0.5 * bend * from_rest) * from_rest;
+    x.volume_rate_1_s = slope * x.velocity_rad_s / volume;
+  }
+}
+
 }  // namespace
 
 double ChamberSlope_m3_rad(const actuator::JointModel& model, double position_rad) {
@@ -115,12 +131,6 @@ GasWindows MakeGasStates(const std::vector<types::Run>& runs, const actuator::Jo
   model.balance = effects::Balance::kMotion;
   GasWindows out{.states = MakeStates(runs, model, motion)};
   out.states.measured.insert({"volume_rate_1_s", "valve_flow_bar", "valve_flow_rate_bar_s"});
-  const int stiffness = model.Find("pneumatic_stiffness");
-  const double rest_rad =
-      stiffness >= 0 ? model.terms[static_cast<std::size_t>(stiffness)].nonlinear[0].value : 0.0;
-  // The slope is a straight line for every pneumatic term there is: two values give the volume.
-  const double slope_at_rest = ChamberSlope_m3_rad(model, rest_rad);
-  const double bend = ChamberSlope_m3_rad(model, rest_rad + 1.0) - slope_at_rest;
 
   int window = 0;
   std::size_t s = 0;
@@ -134,13 +144,7 @@ GasWindows MakeGasStates(const std::vector<types::Run>& runs, const actuator::Jo
       std::fill(segment.at_rest.begin(), segment.at_rest.end(), 0);
       std::fill(segment.usable.begin(), segment.usable.end(), 0);
       segment.window.assign(segment.samples.size(), -1);
-      for (effects::JointSample& x : segment.samples) {
-        const double from_rest = x.position_rad - rest_rad;
-        const double slope = slope_at_rest + bend * from_rest;
-        const double volume =
-            model.constants.gas_volume_m3 + (slope_at_rest + 0.5 * bend * from_rest) * from_rest;
-        x.volume_rate_1_s = slope * x.velocity_rad_s / volume;
-      }
+      SetVolumeRates(model, &segment.samples);
       const auto open = [&](Eigen::Index i) {
         return segment.samples[static_cast<std::size_t>(i)].valve_open;
       };

@@ -66,6 +66,27 @@ arm::Carried FindLink(const arm::Chain& chain, const arm::MovingLinks& links,
   throw std::invalid_argument("robot '" + chain.name + "' has no link '" + name + "'");
 }
 
+[[noreturn]] void Fail(const StanceRecording& recording, const std::string& what) {
+  throw std::invalid_argument("recording " + recording.name + ": " + what);
+}
+
+void CheckRows(const StanceRecording& recording, std::size_t joints) {
+  const Eigen::Index rows = recording.size();
+  if (recording.joints.size() != joints) {
+    Fail(recording,
+         std::to_string(recording.joints.size()) + " joints, expected " + std::to_string(joints));
+  }
+  if (recording.foot_force_N.cols() != kFootSensors || recording.orientation_wxyz.rows() != rows ||
+      recording.orientation_wxyz.cols() != 4 || recording.angular_velocity_rad_s.rows() != rows ||
+      recording.angular_velocity_rad_s.cols() != 3) {
+    Fail(recording, "forces of the feet and IMU do not have the same rows");
+  }
+  if (!recording.foot_force_N.allFinite() || !recording.orientation_wxyz.allFinite() ||
+      !recording.angular_velocity_rad_s.allFinite()) {
+    Fail(recording, "a force of the feet or a value of the IMU is not finite");
+  }
+}
+
 }  // namespace
 
 struct StanceModel::Motion {
@@ -202,22 +223,7 @@ StanceModel::Motion StanceModel::MotionOf(
     const StanceRecording& recording,
     const std::vector<identify::ProcessingOptions>& processing) const {
   const Eigen::Index rows = recording.size();
-  const auto fail = [&](const std::string& what) {
-    throw std::invalid_argument("recording " + recording.name + ": " + what);
-  };
-  if (recording.joints.size() != robot_.joints.size()) {
-    fail(std::to_string(recording.joints.size()) + " joints, expected " +
-         std::to_string(robot_.joints.size()));
-  }
-  if (recording.foot_force_N.cols() != kFootSensors || recording.orientation_wxyz.rows() != rows ||
-      recording.orientation_wxyz.cols() != 4 || recording.angular_velocity_rad_s.rows() != rows ||
-      recording.angular_velocity_rad_s.cols() != 3) {
-    fail("forces of the feet and IMU do not have the same rows");
-  }
-  if (!recording.foot_force_N.allFinite() || !recording.orientation_wxyz.allFinite() ||
-      !recording.angular_velocity_rad_s.allFinite()) {
-    fail("a force of the feet or a value of the IMU is not finite");
-  }
+  CheckRows(recording, robot_.joints.size());
   Motion out;
   out.force_N = recording.foot_force_N;
   out.mean_force_N = out.force_N.colwise().mean();
@@ -227,7 +233,7 @@ StanceModel::Motion StanceModel::MotionOf(
     const actuator::JointModel& joint = robot_.joints[j];
     identify::StateSet states = identify::MakeStates({recording.joints[j]}, joint, processing[j]);
     if (states.segments.size() != 1 || states.segments.front().size() != rows) {
-      fail("rows of joint '" + joint.name + "' are not on an even grid of time");
+      Fail(recording, "rows of joint '" + joint.name + "' are not on an even grid of time");
     }
     identify::StateSegment& segment = states.segments.front();
     const actuator::Term& drive = DriveTerm(joint);
@@ -254,7 +260,7 @@ StanceModel::Motion StanceModel::MotionOf(
     const auto q = recording.orientation_wxyz.row(i);
     const Eigen::Quaterniond world_from_imu(q[0], q[1], q[2], q[3]);
     if (!(std::abs(world_from_imu.norm() - 1.0) < 1e-3))
-      fail("an orientation is no unit quaternion");
+      Fail(recording, "an orientation is no unit quaternion");
     read.push_back(WithoutHeading(world_from_imu.normalized() *
                                   Eigen::Quaterniond(base_from_imu_).conjugate()));
   }
@@ -267,17 +273,14 @@ StanceModel::Motion StanceModel::MotionOf(
   turn = SmoothColumns(turn, low_pass, rate_Hz);
   const Eigen::MatrixXd w_imu = SmoothColumns(recording.angular_velocity_rad_s, low_pass, rate_Hz);
   out.w.resize(rows, 3);
-  Eigen::MatrixXd mean(rows, 3);  // place of the force sensors, base axes
+  Eigen::MatrixXd mean = Eigen::MatrixXd::Zero(rows, 3);  // place of the force sensors, base axes
   for (Eigen::Index i = 0; i < rows; ++i) {
     const double angle = turn.row(i).norm();
     Eigen::Quaterniond now = read.front();
-    if (angle > 0.0) {
-      now = Eigen::AngleAxisd(angle, turn.row(i).transpose() / angle) * read.front();
-    }
+    if (angle > 0.0) now = Eigen::AngleAxisd(angle, turn.row(i).transpose() / angle) * now;
     out.turn.push_back(now);
     out.w.row(i) = now * (base_from_imu_ * w_imu.row(i).transpose());
     const Instant at = At(out.q.row(i).transpose());
-    mean.row(i).setZero();
     for (const Eigen::Vector3d& sensor : at.sensor)
       mean.row(i) += sensor.transpose() / kFootSensors;
   }
@@ -285,8 +288,7 @@ StanceModel::Motion StanceModel::MotionOf(
   out.dw = RateOfColumns(out.w, recording.period_s);
   const Eigen::MatrixXd mean_v = RateOfColumns(mean, recording.period_s);
   const Eigen::MatrixXd mean_a = RateOfColumns(mean_v, recording.period_s);
-  out.origin_v.resize(rows, 3);
-  out.origin_a.resize(rows, 3);
+  out.origin_v = out.origin_a = Eigen::MatrixXd::Zero(rows, 3);
   for (Eigen::Index i = 0; i < rows; ++i) {
     const Eigen::Quaterniond& R = out.turn[static_cast<std::size_t>(i)];
     const Eigen::Vector3d w = out.w.row(i), dw = out.dw.row(i);

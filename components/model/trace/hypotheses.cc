@@ -239,6 +239,31 @@ bool IsHarmonic(double order, double first, double resolution) {
   return times >= 2.0 && std::abs(high - times * low) < resolution * times;
 }
 
+// An angle known to sigma shows a line of order n damped by exp(-(n sigma)^2 / 2).
+double HighestOrder(const actuator::JointModel& model) {
+  const double counts = model.constants.encoder_counts_per_turn;
+  const double sigma = counts > 0.0 ? 2.0 * std::numbers::pi / counts / std::sqrt(12.0) : 0.0;
+  return sigma > 0.0 ? std::min(kHighestOrder, 1.0 / sigma) : kHighestOrder;
+}
+
+// A further line beside those found.
+struct Line {
+  std::vector<double> psi;
+  Eigen::MatrixXd phi, found;  // of all rows; of all lines, whitened
+  Eigen::VectorXd rest;
+};
+
+Line LineOf(double order, const Eigen::MatrixXd& phi, const Likelihood& likelihood,
+            const Eigen::VectorXd& whitened_residual, const Eigen::MatrixXd& before) {
+  Line out{.psi = {order}, .phi = phi, .found = before, .rest = {}};
+  out.found.conservativeResize(likelihood.used.size(), before.cols() + 2);
+  out.found.rightCols(2) = Whiten(likelihood, -likelihood.used.Of(phi));
+  const Eigen::VectorXd c =
+      (out.found.transpose() * out.found).ldlt().solve(out.found.transpose() * whitened_residual);
+  out.rest = whitened_residual - out.found * c;
+  return out;
+}
+
 }  // namespace
 
 bool Hypothesis::follows_rates() const {
@@ -303,15 +328,11 @@ void AddOrders(const identify::Design& design, const Likelihood& likelihood,
   const UsedRows& used = likelihood.used;
   if (!design.states().measured.contains("motor_position_rad")) return;
   if (model.balance != effects::Balance::kMotion) return;
-  const Eigen::VectorXd all =
-      design.Variable([](const effects::JointSample& x) { return x.motor_position_rad; });
-  const Eigen::VectorXd angle = all(used.rows);
+  const Eigen::VectorXd angle = design.Variable(
+      [](const effects::JointSample& x) { return x.motor_position_rad; })(used.rows);
   const double turns = TurnsCovered(angle);
   if (!(turns > 0.0)) return;
-  // An angle known to sigma shows a line of order n damped by exp(-(n sigma)^2 / 2).
-  const double counts = model.constants.encoder_counts_per_turn;
-  const double sigma = counts > 0.0 ? 2.0 * std::numbers::pi / counts / std::sqrt(12.0) : 0.0;
-  double highest = sigma > 0.0 ? std::min(kHighestOrder, 1.0 / sigma) : kHighestOrder;
+  double highest = HighestOrder(model);
   // Holds stand at even steps of the angle: faster lines look like slower ones.
   if (design.held()) highest = std::min(highest, 0.5 * static_cast<double>(used.size()) / turns);
   const double lowest = std::max(0.5, kPeriodsOfLine / turns);
@@ -325,26 +346,12 @@ void AddOrders(const identify::Design& design, const Likelihood& likelihood,
   const double band_rad_s = 2.0 * std::numbers::pi * design.options().state_cutoff_Hz;
   Eigen::VectorXd e = whitened_residual;
   Hypothesis cogging;
-  const std::shared_ptr<const effects::Effect> effect =
-      effects::MakeEffect("cogging", model.constants, effects::Balance::kMotion);
   cogging.name = "cogging";
-  cogging.variable = effect->info().variable;
-  cogging.effect = effect;
-  // A further line beside those found.
-  struct Line {
-    std::vector<double> psi;
-    Eigen::MatrixXd phi, found;  // of all rows; of all lines, whitened
-    Eigen::VectorXd rest;
-  };
+  cogging.effect = effects::MakeEffect("cogging", model.constants, effects::Balance::kMotion);
+  cogging.variable = cogging.effect->info().variable;
   const auto line_of = [&](double order, const Eigen::MatrixXd& before) {
-    Line out{.psi = {order}, .phi = {}, .found = before, .rest = {}};
-    out.phi = design.Columns(*effect, out.psi);
-    out.found.conservativeResize(used.size(), before.cols() + 2);
-    out.found.rightCols(2) = Whiten(likelihood, -used.Of(out.phi));
-    const Eigen::VectorXd c =
-        (out.found.transpose() * out.found).ldlt().solve(out.found.transpose() * whitened_residual);
-    out.rest = whitened_residual - out.found * c;
-    return out;
+    return LineOf(order, design.Columns(*cogging.effect, {&order, 1}), likelihood,
+                  whitened_residual, before);
   };
   Eigen::MatrixXd found(used.size(), 0);
   std::vector<double> known;

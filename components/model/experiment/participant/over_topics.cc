@@ -20,6 +20,7 @@ namespace {
 constexpr std::uint64_t kRepeatArm = 24;    // ticks
 constexpr std::uint64_t kReportEvery = 24;  // ticks
 constexpr int kFarewellTicks = 3;           // of idle commands at the end
+constexpr Command kAtRest{.valve_open = false};
 
 Reading ToReading(const msg::JointState& state, const msg::ActuatorState& actuator,
                   std::size_t joint) {
@@ -46,6 +47,31 @@ void RequireNoOtherWriter(const node::Node& node, std::string_view topic) {
                                "; stop it: an experiment commands the robot by itself");
     }
   }
+}
+
+// presence: only to see whether there is a provider; nothing is read from it, so it ends with the
+// wait.
+void AwaitRobot(node::Node& node, node::StopFlag& stop, double wait_s,
+                node::Reader<msg::JointState> presence) {
+  const auto give_up = std::chrono::steady_clock::now() + types::ToNanoseconds(wait_s);
+  while (presence.matched_writers() == 0 && !stop.requested()) {
+    if (std::chrono::steady_clock::now() > give_up) {
+      throw std::runtime_error("no state provider in domain " +
+                               std::to_string(node.options().domain_id) + " within " +
+                               std::to_string(static_cast<int>(wait_s)) + " s");
+    }
+    node.WaitForData(std::chrono::milliseconds(50));
+  }
+  RequireNoOtherWriter(node, node::kJointCommand.name);
+  RequireNoOtherWriter(node, node::kValveCommand.name);
+}
+
+msg::OperatorCommand OperatorCommand(types::OperatorAction action, const msg::JointState& state) {
+  msg::OperatorCommand command;
+  command.header(state.header());
+  command.action(wire::ToWire(action));
+  command.reason("experiment");
+  return command;
 }
 
 // The outgoing side: three topics a tick.
@@ -92,24 +118,12 @@ TopicRun RunOverTopics(node::Node& node, node::StopFlag& stop, Prepared& protoco
   node::TickLoop loop(node, stop);
   auto& state_input = loop.AddInput(node::kJointState);
   auto& actuator_input = loop.AddInput(node::kActuatorState);
-  // Only to see whether there is a provider; nothing is read from it, so it ends with the wait.
-  std::optional<node::Reader<msg::JointState>> presence = node.MakeReader(node::kJointState);
+  node::Reader<msg::JointState> presence = node.MakeReader(node::kJointState);
   Output output(node);
   auto operator_writer = node.MakeWriter(node::kOperatorCommand);
   const auto joint = static_cast<std::size_t>(options.joint);
 
-  const auto give_up = std::chrono::steady_clock::now() + types::ToNanoseconds(options.wait_s);
-  while (presence->matched_writers() == 0 && !stop.requested()) {
-    if (std::chrono::steady_clock::now() > give_up) {
-      throw std::runtime_error("no state provider in domain " +
-                               std::to_string(node.options().domain_id) + " within " +
-                               std::to_string(static_cast<int>(options.wait_s)) + " s");
-    }
-    node.WaitForData(std::chrono::milliseconds(50));
-  }
-  presence.reset();
-  RequireNoOtherWriter(node, node::kJointCommand.name);
-  RequireNoOtherWriter(node, node::kValveCommand.name);
+  AwaitRobot(node, stop, options.wait_s, std::move(presence));
 
   TopicRun run;
   std::optional<std::int64_t> first_stamp_ns;
@@ -118,11 +132,7 @@ TopicRun RunOverTopics(node::Node& node, node::StopFlag& stop, Prepared& protoco
   std::uint64_t ticks = 0;
   run.end = "the session ended";
   const auto send = [&](types::OperatorAction action) {
-    msg::OperatorCommand command;
-    command.header(state_input.value().header());
-    command.action(wire::ToWire(action));
-    command.reason("experiment");
-    (void)operator_writer.Write(command);
+    (void)operator_writer.Write(OperatorCommand(action, state_input.value()));
   };
   while (const auto tick = loop.Next()) {
     const msg::JointState& state = state_input.value();
@@ -135,8 +145,7 @@ TopicRun RunOverTopics(node::Node& node, node::StopFlag& stop, Prepared& protoco
       run.end = "the robot has " + std::to_string(state.joint_count()) + " joints";
       break;
     }
-    Command command;
-    command.valve_open = false;
+    Command command = kAtRest;
     if (farewell > 0) {
       output.Send(loop, *tick, joint, state.joint_count(), command);
       if (++farewell > kFarewellTicks) break;
@@ -165,8 +174,7 @@ TopicRun RunOverTopics(node::Node& node, node::StopFlag& stop, Prepared& protoco
         run.done = true;
         run.end = "done";
         farewell = 1;
-        command = Command{};
-        command.valve_open = false;
+        command = kAtRest;
       }
     }
     output.Send(loop, *tick, joint, state.joint_count(), command);

@@ -65,6 +65,53 @@ void AddOnce(const std::string& name, std::vector<std::string>* names) {
   if (!Contains(*names, name)) names->push_back(name);
 }
 
+// What the options name is recorded, and known where it is remapped to.
+void CheckNames(const recording::McapReader& reader, const std::string& file,
+                const std::vector<recording::TopicSchema>& known,
+                const std::vector<TopicPattern>& wanted, const std::vector<TopicPattern>& excluded,
+                const std::map<std::string, std::string>& remap) {
+  std::set<std::string> recorded;
+  for (const auto& [id, channel] : reader.channels()) recorded.insert(channel.topic);
+  std::string list;
+  for (const std::string& name : recorded) list += (list.empty() ? "" : ", ") + name;
+  const auto require = [&](const std::string& option, const std::string& name, bool is_there) {
+    if (is_there) return;
+    throw std::invalid_argument(option + ": topic '" + name + "' is not in " + file +
+                                ", expected one of: " + list);
+  };
+  for (const auto& [option, patterns] :
+       {std::pair<std::string, const std::vector<TopicPattern>*>("--topics", &wanted),
+        {"--exclude", &excluded}}) {
+    for (const TopicPattern& pattern : *patterns) {
+      require(option, pattern.text,
+              std::any_of(recorded.begin(), recorded.end(), [&](const std::string& name) {
+                return std::regex_match(name, pattern.expression);
+              }));
+    }
+  }
+  for (const auto& [from, to] : remap) {
+    require("--remap", from, recorded.contains(from));
+    if (Find(known, to) == nullptr)
+      throw std::invalid_argument("--remap: no topic '" + to + "' in this build");
+  }
+}
+
+void CheckType(const std::string& file, const McapChannel& channel, const McapSchema* theirs,
+               const recording::TopicSchema& ours) {
+  const bool same = theirs != nullptr && channel.message_encoding == "cdr" &&
+                    theirs->encoding == "omgidl" && theirs->name == ours.type_name &&
+                    recording::BareIdl(theirs->data) == recording::BareIdl(ours.idl);
+  if (!same) {
+    const auto hash = channel.metadata.find("idl_hash");
+    throw std::invalid_argument(
+        file + ": topic '" + channel.topic + "' was recorded with another type (" +
+        (theirs == nullptr ? "no schema" : theirs->name) + ", hash " +
+        (hash == channel.metadata.end() ? "unknown" : hash->second) + ") than this build's " +
+        ours.type_name + " (hash " + ours.idl_hash +
+        "): play it with the build that recorded it, or leave the topic out");
+  }
+}
+
 }  // namespace
 
 // The finalizer of SplitMix64 (Steele, Lea, Flood 2014): passes give unrelated numbers.
@@ -97,33 +144,9 @@ struct Playlist::Channel {
 Playlist::Playlist(const recording::McapReader& reader, const std::string& file,
                    const std::vector<recording::TopicSchema>& known, const PlaylistOptions& options)
     : reader_(reader) {
-  std::set<std::string> recorded;
-  for (const auto& [id, channel] : reader.channels()) recorded.insert(channel.topic);
-  std::string list;
-  for (const std::string& name : recorded) list += (list.empty() ? "" : ", ") + name;
-  const auto require = [&](const std::string& option, const std::string& name, bool is_there) {
-    if (is_there) return;
-    throw std::invalid_argument(option + ": topic '" + name + "' is not in " + file +
-                                ", expected one of: " + list);
-  };
   const std::vector<TopicPattern> wanted = Patterns("--topics", options.topics);
   const std::vector<TopicPattern> excluded = Patterns("--exclude", options.exclude);
-  for (const auto& [option, patterns] :
-       {std::pair<std::string, const std::vector<TopicPattern>*>("--topics", &wanted),
-        {"--exclude", &excluded}}) {
-    for (const TopicPattern& pattern : *patterns) {
-      require(option, pattern.text,
-              std::any_of(recorded.begin(), recorded.end(), [&](const std::string& name) {
-                return std::regex_match(name, pattern.expression);
-              }));
-    }
-  }
-  for (const auto& [from, to] : options.remap) {
-    require("--remap", from, recorded.contains(from));
-    if (Find(known, to) == nullptr)
-      throw std::invalid_argument("--remap: no topic '" + to + "' in this build");
-  }
-
+  CheckNames(reader, file, known, wanted, excluded, options.remap);
   filter_.topics.emplace();
   for (const auto& [id, channel] : reader.channels()) {
     const bool named = Contains(options.topics, channel.topic);
@@ -144,18 +167,7 @@ Playlist::Playlist(const recording::McapReader& reader, const std::string& file,
       AddOnce(channel.topic, &left_out_);
       continue;
     }
-    const bool same = theirs != nullptr && channel.message_encoding == "cdr" &&
-                      theirs->encoding == "omgidl" && theirs->name == ours->type_name &&
-                      recording::BareIdl(theirs->data) == recording::BareIdl(ours->idl);
-    if (!same) {
-      const auto hash = channel.metadata.find("idl_hash");
-      throw std::invalid_argument(
-          file + ": topic '" + channel.topic + "' was recorded with another type (" +
-          (theirs == nullptr ? "no schema" : theirs->name) + ", hash " +
-          (hash == channel.metadata.end() ? "unknown" : hash->second) + ") than this build's " +
-          ours->type_name + " (hash " + ours->idl_hash +
-          "): play it with the build that recorded it, or leave the topic out");
-    }
+    CheckType(file, channel, theirs, *ours);
     std::size_t index = 0;
     while (index < published_.size() && published_[index] != name) ++index;
     auto made = std::make_unique<Channel>(*theirs, index);

@@ -42,7 +42,6 @@ class ControlInputs {
 
  private:
   void TakeOperatorCommands(const node::Tick& tick);
-
   node::TickLoop& loop_;
   ControlConfig config_;
   node::TickInput<msg::JointState>& state_;
