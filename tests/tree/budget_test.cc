@@ -116,28 +116,18 @@ const std::vector<Rule> kRules = {
   EXPECT_THAT(numbers, ElementsAre(4, 3, 10, 10));
 }
 
-// Functions that are longer today; they may not grow.
-const std::map<std::string, std::size_t> kLonger = {
-    {"components/model/arm/arm_fit.cc: ArmFit Arm::Fit", 124},
-    {"components/model/trace/shift.cc: std::vector<ParameterShift> FindShifts", 115},
-};
-
 TEST(Budget, NoFunctionIsLongerThanEightyLines) {
-  std::size_t read = 0, longer = 0;
+  std::size_t read = 0;
   for (const char* top : {"bench", "bridge", "components", "sim", "tools"}) {
     for (const std::string& file : Sources({top})) {
       for (const Function& function : FunctionsOf(Lines(Read(kRoot / file)))) {
         ++read;
-        if (function.lines <= kLongestFunction) continue;
-        ++longer;
-        const auto known = kLonger.find(file + ": " + function.head);
-        EXPECT_LE(function.lines, known == kLonger.end() ? kLongestFunction : known->second)
+        EXPECT_LE(function.lines, kLongestFunction)
             << file << ":" << function.first_line << ": " << function.head;
       }
     }
   }
   EXPECT_GT(read, 5000u);
-  EXPECT_EQ(longer, kLonger.size()) << "functions that are short now, or have another name";
 }
 
 // Limits of a table of docs/budget.md.

@@ -68,6 +68,64 @@ RigidPrior PriorFrom(const identify::Moments& sums, const Eigen::VectorXd& b, Ei
   return out;
 }
 
+// T + known - Y phi_urdf = Y_independent dbeta - friction theta, a block per joint.
+struct Stack {
+  Eigen::Index unknowns = 0;
+  std::vector<const identify::Rows*> rows{};
+  std::vector<Eigen::MatrixXd> X{};
+  std::vector<Eigen::VectorXd> y{};
+
+  // Normal equations of a block, or of all rows, with a weight per joint.
+  identify::Moments Sums(const identify::Block* block, const std::vector<double>& weight) const {
+    identify::Moments total{Eigen::MatrixXd::Zero(unknowns, unknowns),
+                            Eigen::VectorXd::Zero(unknowns)};
+    for (std::size_t j = 0; j < X.size(); ++j) {
+      identify::Block used;
+      if (block == nullptr) {
+        used = rows[j]->UsedRows();
+      } else {
+        for (const Eigen::Index i : *block) {
+          if (rows[j]->used[static_cast<std::size_t>(i)]) used.push_back(i);
+        }
+      }
+      if (used.empty()) continue;
+      const identify::Moments part = identify::MomentsOf(used, X[j], y[j]);
+      const double w = weight[j] * weight[j];
+      total.G += w * part.G;
+      total.m += w * part.m;
+      total.yy += w * part.yy;
+      total.rows += part.rows;
+    }
+    return total;
+  }
+};
+
+// One over the residual rms of each joint in a first pass; b: solution of the second.
+std::vector<double> Weigh(const Stack& stack, Eigen::VectorXd* b) {
+  std::vector<double> weight(stack.X.size(), 1.0);
+  for (int pass = 0; pass < 2; ++pass) {
+    const identify::Moments total = stack.Sums(nullptr, weight);
+    if (total.rows < 2.0 * static_cast<double>(stack.unknowns)) {
+      throw std::invalid_argument("recordings have " +
+                                  std::to_string(static_cast<int>(total.rows)) +
+                                  " moving rows of all joints, too few to fit " +
+                                  std::to_string(stack.unknowns) + " parameters");
+    }
+    *b = identify::Solve(total.G, total.m);
+    for (std::size_t j = 0; pass == 0 && j < stack.X.size(); ++j) {
+      const identify::Block used = stack.rows[j]->UsedRows();
+      double squares = 0.0;
+      for (const Eigen::Index i : used) {
+        squares += std::pow(stack.y[j][i] - stack.X[j].row(i).dot(*b), 2);
+      }
+      const double rms =
+          std::sqrt(squares / std::max<double>(1.0, static_cast<double>(used.size())));
+      weight[j] = rms > 0.0 ? 1.0 / rms : 1.0;
+    }
+  }
+  return weight;
+}
+
 }  // namespace
 
 // One joint's part of the regression.
@@ -208,73 +266,31 @@ ArmFit Arm::Fit(const ArmRuns& runs, const actuator::RobotModel& robot,
                 const identify::ProcessingOptions& processing) const {
   const Data data = Prepare(runs, robot, processing);
   const auto rigid = static_cast<Eigen::Index>(base_.independent.size());
-  Eigen::Index unknowns = rigid;
+  Stack stack{.unknowns = rigid};
   std::vector<Eigen::Index> first;
   for (const Data::Joint& joint : data.joints) {
-    first.push_back(unknowns);
-    unknowns += joint.friction.cols();
+    first.push_back(stack.unknowns);
+    stack.unknowns += joint.friction.cols();
   }
-  // T + known - Y phi_urdf = Y_independent dbeta - friction theta, a block per joint.
-  std::vector<Eigen::MatrixXd> X;
-  std::vector<Eigen::VectorXd> y;
   for (std::size_t j = 0; j < data.joints.size(); ++j) {
     const Data::Joint& joint = data.joints[j];
-    Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(joint.torque.size(), unknowns);
+    Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(joint.torque.size(), stack.unknowns);
     for (Eigen::Index c = 0; c < rigid; ++c) {
       columns.col(c) = joint.rigid.col(base_.independent[static_cast<std::size_t>(c)]);
     }
     columns.middleCols(first[j], joint.friction.cols()) = -joint.friction;
-    y.emplace_back(joint.torque + joint.known - joint.rigid * dynamics_.nominal());
-    X.push_back(std::move(columns));
+    stack.y.emplace_back(joint.torque + joint.known - joint.rigid * dynamics_.nominal());
+    stack.X.push_back(std::move(columns));
+    stack.rows.push_back(&joint.rows);
   }
-  const auto sums_of = [&](const identify::Block* block, const std::vector<double>& weight) {
-    identify::Moments total{Eigen::MatrixXd::Zero(unknowns, unknowns),
-                            Eigen::VectorXd::Zero(unknowns)};
-    for (std::size_t j = 0; j < X.size(); ++j) {
-      identify::Block used;
-      if (block == nullptr) {
-        used = data.joints[j].rows.UsedRows();
-      } else {
-        for (const Eigen::Index i : *block) {
-          if (data.joints[j].rows.used[static_cast<std::size_t>(i)]) used.push_back(i);
-        }
-      }
-      if (used.empty()) continue;
-      const identify::Moments part = identify::MomentsOf(used, X[j], y[j]);
-      const double w = weight[j] * weight[j];
-      total.G += w * part.G;
-      total.m += w * part.m;
-      total.yy += w * part.yy;
-      total.rows += part.rows;
-    }
-    return total;
-  };
-  std::vector<double> weight(X.size(), 1.0);
   Eigen::VectorXd b;
-  for (int pass = 0; pass < 2; ++pass) {
-    const identify::Moments total = sums_of(nullptr, weight);
-    if (total.rows < 2.0 * static_cast<double>(unknowns)) {
-      throw std::invalid_argument(
-          "recordings have " + std::to_string(static_cast<int>(total.rows)) +
-          " moving rows of all joints, too few to fit " + std::to_string(unknowns) + " parameters");
-    }
-    b = identify::Solve(total.G, total.m);
-    for (std::size_t j = 0; pass == 0 && j < X.size(); ++j) {
-      const identify::Block used = data.joints[j].rows.UsedRows();
-      double squares = 0.0;
-      for (const Eigen::Index i : used) squares += std::pow(y[j][i] - X[j].row(i).dot(b), 2);
-      const double rms =
-          std::sqrt(squares / std::max<double>(1.0, static_cast<double>(used.size())));
-      weight[j] = rms > 0.0 ? 1.0 / rms : 1.0;
-    }
-  }
+  const std::vector<double> weight = Weigh(stack, &b);
   // Blocks of time, all joints together.
   identify::Rows all = data.joints.front().rows;
   std::fill(all.used.begin(), all.used.end(), 1);
   const std::vector<identify::Block> blocks = identify::MakeBlocks(all, kBlock_s, 0.0, 4);
   std::vector<identify::Moments> parts;
-  parts.reserve(blocks.size());
-  for (const identify::Block& block : blocks) parts.push_back(sums_of(&block, weight));
+  for (const identify::Block& block : blocks) parts.push_back(stack.Sums(&block, weight));
   const Eigen::MatrixXd covariance = identify::BlockCovariance(parts, b);
   const double quantile =
       identify::StudentQuantile(0.975, std::max(1.0, static_cast<double>(parts.size()) - 1.0));
@@ -295,12 +311,12 @@ ArmFit Arm::Fit(const ArmRuns& runs, const actuator::RobotModel& robot,
   // Residuals are correlated: a row carries less information by the factor by which the sums of
   // blocks vary more than independent rows would.
   double of_rows = 0.0, of_blocks = 0.0;
-  for (std::size_t j = 0; j < X.size(); ++j) {
-    const Eigen::VectorXd e = weight[j] * (y[j] - X[j] * b);
+  for (std::size_t j = 0; j < stack.X.size(); ++j) {
+    const Eigen::VectorXd e = weight[j] * (stack.y[j] - stack.X[j] * b);
     for (const identify::Block& block : blocks) {
       double sum = 0.0;
       for (const Eigen::Index i : block) {
-        if (!data.joints[j].rows.used[static_cast<std::size_t>(i)]) continue;
+        if (!stack.rows[j]->used[static_cast<std::size_t>(i)]) continue;
         sum += e[i];
         of_rows += e[i] * e[i];
       }
@@ -308,15 +324,13 @@ ArmFit Arm::Fit(const ArmRuns& runs, const actuator::RobotModel& robot,
     }
   }
   const double louder = of_rows > 0.0 ? std::sqrt(std::max(1.0, of_blocks / of_rows)) : 1.0;
-  const identify::Moments total = sums_of(nullptr, weight);
+  const identify::Moments total = stack.Sums(nullptr, weight);
   out.information = OfBodies(total, rigid).G / (louder * louder);
   for (std::size_t j = 0; j < data.joints.size(); ++j) {
     std::vector<double> others = weight;
     others[j] = 0.0;
-    out.by_others.push_back(PriorFrom(sums_of(nullptr, others), b, rigid,
+    out.by_others.push_back(PriorFrom(stack.Sums(nullptr, others), b, rigid,
                                       total.G.diagonal().head(rigid).cwiseSqrt(), louder));
-  }
-  for (std::size_t j = 0; j < data.joints.size(); ++j) {
     for (std::size_t k = 0; k < data.joints[j].free.size(); ++k) {
       const FreeParameter& which = data.joints[j].free[k];
       actuator::ParameterValue& value = out.robot.joints[j].terms[which.term].linear[which.index];

@@ -19,13 +19,8 @@ struct Declared {
   double unit = 0.0;  // tolerance and standard error together
 };
 
-}  // namespace
-
-std::vector<ParameterShift> FindShifts(const identify::Design& design,
-                                       const actuator::JointModel& nominal,
-                                       const identify::FitResult& fit,
-                                       const std::vector<Candidate>& candidates) {
-  std::vector<ParameterShift> out;
+std::vector<Declared> DeclaredParameters(const actuator::JointModel& nominal,
+                                         const identify::FitResult& fit) {
   const identify::Balance& balance = fit.balance;
   const Eigen::Index first = balance.fits_scale ? 1 : 0;
   std::vector<Declared> declared;
@@ -45,13 +40,68 @@ std::vector<ParameterShift> FindShifts(const identify::Design& design,
   for (std::size_t i = 0; i < balance.parameters.size(); ++i) {
     add(balance.parameters[i], first + static_cast<Eigen::Index>(i));
   }
+  return declared;
+}
 
-  // Direction in which each candidate would shift the parameters: its regressor in terms of theirs.
+struct ShiftDirection {
+  const Candidate* candidate;
+  std::vector<double> per_theta;  // in declared units
+};
+
+// Directions in which each candidate would shift the parameters: its regressor in terms of phi,
+// theirs.
+std::vector<ShiftDirection> DirectionsOf(const std::vector<Candidate>& candidates,
+                                         const std::vector<Eigen::Index>& used,
+                                         const Eigen::MatrixXd& phi,
+                                         const identify::Balance& balance,
+                                         const std::vector<Declared>& declared) {
+  const Eigen::Index first = balance.fits_scale ? 1 : 0;
+  const Eigen::MatrixXd gram = phi.transpose() * phi;
+  const Eigen::VectorXd drive = balance.drive_torque(used);
+  std::vector<ShiftDirection> directions;
+  for (const Candidate& candidate : candidates) {
+    if (candidate.stated || candidate.grid.size() != 1 ||
+        candidate.grid.front().columns.cols() != 1)
+      continue;
+    const Eigen::VectorXd z = candidate.grid.front().columns(used, 0);
+    const double power = z.squaredNorm();
+    if (!(power > 0.0)) continue;
+    ShiftDirection direction{&candidate, std::vector<double>(declared.size(), 0.0)};
+    const double with_drive = z.dot(drive) / std::sqrt(power * drive.squaredNorm());
+    if (with_drive > 0.9999) {  // scales the drive: the factor alone takes it
+      for (std::size_t j = 0; j < declared.size(); ++j) {
+        if (balance.fits_scale && declared[j].column == 0) {
+          direction.per_theta[j] = std::sqrt(power / drive.squaredNorm()) / declared[j].unit;
+        }
+      }
+    } else {
+      const Eigen::VectorXd a = identify::Solve(gram, phi.transpose() * z);
+      if ((z - phi * a).squaredNorm() > (1.0 - kInSpan) * power) continue;
+      for (std::size_t j = 0; j < declared.size(); ++j) {
+        if (declared[j].column >= first) {
+          direction.per_theta[j] = a[declared[j].column - first] / declared[j].unit;
+        }
+      }
+    }
+    directions.push_back(std::move(direction));
+  }
+  return directions;
+}
+
+}  // namespace
+
+std::vector<ParameterShift> FindShifts(const identify::Design& design,
+                                       const actuator::JointModel& nominal,
+                                       const identify::FitResult& fit,
+                                       const std::vector<Candidate>& candidates) {
+  std::vector<ParameterShift> out;
+  const identify::Balance& balance = fit.balance;
+  const Eigen::Index first = balance.fits_scale ? 1 : 0;
+  std::vector<Declared> declared = DeclaredParameters(nominal, fit);
   const std::vector<Eigen::Index> used = design.rows().UsedRows();
   const Eigen::Index count = balance.columns.cols() - first;
   const Eigen::MatrixXd phi = -balance.columns.rightCols(count)(used, Eigen::all);
   const Eigen::MatrixXd gram = phi.transpose() * phi;
-  const Eigen::VectorXd drive = balance.drive_torque(used);
   // Parameters that are held but stated with a tolerance (a rest angle): what they may be off by
   // shifts the fitted ones, and that is no prior penalty either.
   for (const actuator::Term& term : nominal.terms) {
@@ -75,38 +125,8 @@ std::vector<ParameterShift> FindShifts(const identify::Design& design,
       }
     }
   }
-  struct Direction {
-    const Candidate* candidate;
-    std::vector<double> per_theta;  // in declared units
-  };
-  std::vector<Direction> directions;
-  for (const Candidate& candidate : candidates) {
-    if (candidate.stated || candidate.grid.size() != 1 ||
-        candidate.grid.front().columns.cols() != 1)
-      continue;
-    const Eigen::VectorXd z = candidate.grid.front().columns(used, 0);
-    const double power = z.squaredNorm();
-    if (!(power > 0.0)) continue;
-    Direction direction{&candidate, std::vector<double>(declared.size(), 0.0)};
-    const double with_drive = z.dot(drive) / std::sqrt(power * drive.squaredNorm());
-    if (with_drive > 0.9999) {  // scales the drive: the factor alone takes it
-      for (std::size_t j = 0; j < declared.size(); ++j) {
-        if (balance.fits_scale && declared[j].column == 0) {
-          direction.per_theta[j] = std::sqrt(power / drive.squaredNorm()) / declared[j].unit;
-        }
-      }
-    } else {
-      const Eigen::VectorXd a = identify::Solve(gram, phi.transpose() * z);
-      if ((z - phi * a).squaredNorm() > (1.0 - kInSpan) * power) continue;
-      for (std::size_t j = 0; j < declared.size(); ++j) {
-        if (declared[j].column >= first) {
-          direction.per_theta[j] = a[declared[j].column - first] / declared[j].unit;
-        }
-      }
-    }
-    directions.push_back(std::move(direction));
-  }
-
+  const std::vector<ShiftDirection> directions =
+      DirectionsOf(candidates, used, phi, balance, declared);
   for (const Declared& item : declared) {
     const double sigma = item.shift / item.unit;
     if (std::abs(sigma) < 1.0) continue;
@@ -122,7 +142,7 @@ std::vector<ParameterShift> FindShifts(const identify::Design& design,
     shift.half_width_95 = fit.model.terms[t].linear[i].half_width_95.value_or(0.0);
     shift.sigma = sigma;
     const auto j = static_cast<std::size_t>(&item - declared.data());
-    for (const Direction& direction : directions) {
+    for (const ShiftDirection& direction : directions) {
       // Shares the direction when this parameter carries a good part of what it would shift.
       double largest = 0.0;
       for (const double value : direction.per_theta) largest = std::max(largest, std::abs(value));
