@@ -40,9 +40,117 @@ struct Count {
   int right = 0, all = 0;
 };
 
-void Run(int seeds, int first_seed, double seconds, bool verbose, bool faults) {
+struct Totals {
   std::map<std::string, Count> found, stopped, left_out;
   std::map<std::string, double> largest;  // of the statistics without a fault, over their limits
+};
+
+struct Recording {
+  std::size_t number;
+  std::string text;  // "stribeck at 50 Hz, task, seed 4"
+  bool task, with_effect;
+  scene::Recorded recorded;
+};
+
+Recording Record(std::size_t number, const std::string& name, int first_seed, double seconds) {
+  const Rate& rate = kRates[number % std::size(kRates)];
+  const bool task = number % 3 == 2;
+  scene::Scene scene;
+  scene.seed = static_cast<std::uint64_t>(first_seed) + number;
+  scene.excitation = task ? surrogate::ExcitationKind::kTask : surrogate::ExcitationKind::kDesigned;
+  scene.trains = 2;
+  scene.seconds = seconds;
+  scene.held_out = false;
+  scene.cycle_Hz = rate.cycle_Hz;
+  scene.log_every = rate.log_every;
+  if (name != "none") {
+    const auto effect = surrogate::ParseEffect(name);
+    scene.effects = {*effect};
+  }
+  return {number,
+          name + " at " + std::to_string(static_cast<int>(rate.rate_Hz())) + " Hz" +
+              (task ? ", task" : "") + ", seed " + std::to_string(scene.seed),
+          task, name != "none", scene::Record(scene)};
+}
+
+void CountSound(const Recording& what, bool verbose, Totals* totals) {
+  const gate::GateReport sound = gate::ExamineData(what.recorded.train, what.recorded.declared);
+  const std::string row = what.with_effect ? "with an effect" : "without an effect";
+  Count& count = totals->stopped[row];
+  ++count.all;
+  count.right += sound.stops();
+  for (const gate::Fault& fault : sound.faults) {
+    std::cout << "FALSE STOP " << what.text << ": " << gate::FormatFault(fault) << " ("
+              << fault.statistic << ")\n";
+  }
+  Count& rows = totals->left_out[row];
+  ++rows.all;
+  rows.right += !sound.left_out.empty();
+  for (const identify::Finding& at : sound.findings) {
+    if (at.name == gate::kLeftOutRows)
+      std::cout << "LEFT OUT " << what.text << ": " << at.text << '\n';
+  }
+  for (const gate::Measurement& at : sound.largest) {
+    double& most = totals->largest[at.rule];
+    most = std::max(most, at.statistic);
+    if (verbose && at.statistic > 0.6 * at.limit && at.limit > 0.0) {
+      std::cout << "near " << what.text << ": " << at.rule << ' ' << at.signal << ' '
+                << at.statistic << '\n';
+    }
+  }
+}
+
+// A third of the faults in every scene: each meets every rate, effect and motion in turn.
+void CountFaults(const Recording& what, bool verbose, Totals* totals) {
+  for (std::size_t f = what.number / 3 % 3; f < gate::FaultKinds().size(); f += 3) {
+    const gate::FaultKind& kind = gate::FaultKinds()[f];
+    if (kind.needs_hand && what.task) continue;
+    scene::Recorded faulty = what.recorded;
+    gate::Plant(kind.name, 77 * what.number + f, &faulty.train, &faulty.declared);
+    const gate::GateReport report = gate::ExamineData(faulty.train, faulty.declared);
+    const bool right = gate::IsFound(kind, report);
+    ++totals->found[kind.name].all;
+    totals->found[kind.name].right += right;
+    if (right || !verbose) continue;
+    std::cout << "MISSED " << kind.name << " in " << what.text << ':';
+    for (const gate::Measurement& at : report.largest) {
+      if (std::find(kind.rules.begin(), kind.rules.end(), at.rule) != kind.rules.end()) {
+        std::cout << ' ' << at.rule << ' ' << at.signal << ' ' << at.statistic;
+      }
+    }
+    for (const gate::Fault& fault : report.faults) std::cout << " [" << fault.rule << "]";
+    std::cout << '\n';
+  }
+}
+
+void PrintRows(const std::map<std::string, Count>& counts) {
+  for (const auto& [name, count] : counts) {
+    std::cout << "| " << name << " | " << Share(count.right, count.all) << " |\n";
+  }
+}
+
+void Print(Totals totals) {
+  std::cout << "| planted | found |\n| --- | --- |\n";
+  PrintRows(totals.found);
+  Count all;
+  for (const auto& [name, count] : totals.found) {
+    all.right += count.right;
+    all.all += count.all;
+  }
+  if (all.all > 0) std::cout << "| all | " << Share(all.right, all.all) << " |\n";
+  std::cout << "\n| false stops | |\n| --- | --- |\n";
+  PrintRows(totals.stopped);
+  std::cout << "\n| rows left out without a spike | |\n| --- | --- |\n";
+  PrintRows(totals.left_out);
+  std::cout << "\n| rule | limit | largest without a fault |\n| --- | --- | --- |\n";
+  for (const gate::Rule& rule : gate::Rules()) {
+    std::cout << "| " << rule.id << " | " << rule.limit << " | "
+              << totals.largest[std::string(rule.id)] << " |\n";
+  }
+}
+
+void Run(int seeds, int first_seed, double seconds, bool verbose, bool faults) {
+  Totals totals;
   std::vector<std::string> scenes = {"none"};
   for (const surrogate::EffectInfo& effect : surrogate::UndeclaredEffects()) {
     scenes.emplace_back(effect.name);
@@ -50,94 +158,13 @@ void Run(int seeds, int first_seed, double seconds, bool verbose, bool faults) {
   for (int k = 0; k < seeds; ++k) {
     for (std::size_t s = 0; s < scenes.size(); ++s) {
       const auto number = static_cast<std::size_t>(k) * scenes.size() + s;
-      const Rate& rate = kRates[number % std::size(kRates)];
-      scene::Scene scene;
-      scene.seed = static_cast<std::uint64_t>(first_seed) + number;
-      scene.excitation =
-          number % 3 == 2 ? surrogate::ExcitationKind::kTask : surrogate::ExcitationKind::kDesigned;
-      scene.trains = 2;
-      scene.seconds = seconds;
-      scene.held_out = false;
-      scene.cycle_Hz = rate.cycle_Hz;
-      scene.log_every = rate.log_every;
-      if (scenes[s] != "none") {
-        const auto effect = surrogate::ParseEffect(scenes[s]);
-        scene.effects = {*effect};
-      }
-      const scene::Recorded recorded = scene::Record(scene);
-      const std::string what =
-          scenes[s] + " at " + std::to_string(static_cast<int>(rate.rate_Hz())) + " Hz" +
-          (scene.excitation == surrogate::ExcitationKind::kTask ? ", task" : "") + ", seed " +
-          std::to_string(scene.seed);
-      const gate::GateReport sound = gate::ExamineData(recorded.train, recorded.declared);
-      Count& count = stopped[scenes[s] == "none" ? "without an effect" : "with an effect"];
-      ++count.all;
-      count.right += sound.stops();
-      for (const gate::Fault& fault : sound.faults) {
-        std::cout << "FALSE STOP " << what << ": " << gate::FormatFault(fault) << " ("
-                  << fault.statistic << ")\n";
-      }
-      Count& rows = left_out[scenes[s] == "none" ? "without an effect" : "with an effect"];
-      ++rows.all;
-      rows.right += !sound.left_out.empty();
-      for (const identify::Finding& at : sound.findings) {
-        if (at.name == gate::kLeftOutRows)
-          std::cout << "LEFT OUT " << what << ": " << at.text << '\n';
-      }
-      for (const gate::Measurement& at : sound.largest) {
-        double& most = largest[at.rule];
-        most = std::max(most, at.statistic);
-        if (verbose && at.statistic > 0.6 * at.limit && at.limit > 0.0) {
-          std::cout << "near " << what << ": " << at.rule << ' ' << at.signal << ' ' << at.statistic
-                    << '\n';
-        }
-      }
-      if (!faults) continue;
-      // A third of the faults in every scene: each meets every rate, effect and motion in turn.
-      for (std::size_t f = number / 3 % 3; f < gate::FaultKinds().size(); f += 3) {
-        const gate::FaultKind& kind = gate::FaultKinds()[f];
-        if (kind.needs_hand && scene.excitation == surrogate::ExcitationKind::kTask) continue;
-        scene::Recorded faulty = recorded;
-        gate::Plant(kind.name, 77 * number + f, &faulty.train, &faulty.declared);
-        const gate::GateReport report = gate::ExamineData(faulty.train, faulty.declared);
-        const bool right = gate::IsFound(kind, report);
-        ++found[kind.name].all;
-        found[kind.name].right += right;
-        if (!right && verbose) {
-          std::cout << "MISSED " << kind.name << " in " << what << ':';
-          for (const gate::Measurement& at : report.largest) {
-            if (std::find(kind.rules.begin(), kind.rules.end(), at.rule) != kind.rules.end()) {
-              std::cout << ' ' << at.rule << ' ' << at.signal << ' ' << at.statistic;
-            }
-          }
-          for (const gate::Fault& fault : report.faults) std::cout << " [" << fault.rule << "]";
-          std::cout << '\n';
-        }
-      }
+      const Recording what = Record(number, scenes[s], first_seed, seconds);
+      CountSound(what, verbose, &totals);
+      if (faults) CountFaults(what, verbose, &totals);
     }
     std::cerr << "seed " << k + 1 << " of " << seeds << '\n';
   }
-  std::cout << "| planted | found |\n| --- | --- |\n";
-  Count all;
-  for (const auto& [name, count] : found) {
-    std::cout << "| " << name << " | " << Share(count.right, count.all) << " |\n";
-    all.right += count.right;
-    all.all += count.all;
-  }
-  if (all.all > 0) std::cout << "| all | " << Share(all.right, all.all) << " |\n";
-  std::cout << "\n| false stops | |\n| --- | --- |\n";
-  for (const auto& [name, count] : stopped) {
-    std::cout << "| " << name << " | " << Share(count.right, count.all) << " |\n";
-  }
-  std::cout << "\n| rows left out without a spike | |\n| --- | --- |\n";
-  for (const auto& [name, count] : left_out) {
-    std::cout << "| " << name << " | " << Share(count.right, count.all) << " |\n";
-  }
-  std::cout << "\n| rule | limit | largest without a fault |\n| --- | --- | --- |\n";
-  for (const gate::Rule& rule : gate::Rules()) {
-    std::cout << "| " << rule.id << " | " << rule.limit << " | " << largest[std::string(rule.id)]
-              << " |\n";
-  }
+  Print(totals);
 }
 
 }  // namespace

@@ -234,7 +234,7 @@ void DrawSensors(Rig& rig, Random& random) {
   rig.lost_rows = random.Chance(0.5) ? random.LogUniform(5e-4, 1e-2) : 0.0;
 }
 
-// In the order of Family.
+// Rows are in the order of Family.
 constexpr struct {
   const char* word;
   void (*draw)(Rig& rig, Random& random, double scale);

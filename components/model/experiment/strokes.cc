@@ -16,7 +16,7 @@ constexpr std::size_t kFewestRows = 6;
 constexpr double kReleased_N = 0.3;
 constexpr double kRest_rad_s = 0.01;
 
-// From below the bottom to above the top, or back.
+// Ways from below the bottom to above the top, or back.
 std::vector<Stroke> StrokesBetween(const Recording& rows, double bottom_rad, double top_rad) {
   std::vector<Stroke> strokes;
   int from = 0;
