@@ -19,7 +19,7 @@ void CheckScored(const std::vector<int>& scored_joints, int joint_count) {
                               std::to_string(joint_count - 1));
 }
 
-// What reference and control are given at a tick, as the topics would carry it.
+// Inputs of reference and control at a tick, as the topics would carry them.
 control::RobotInput InputAt(std::uint64_t tick, double period_s, int joints,
                             const provider::PlantSensors& sensors,
                             reference::RobotReference* generator) {

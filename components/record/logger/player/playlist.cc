@@ -65,7 +65,7 @@ void AddOnce(const std::string& name, std::vector<std::string>* names) {
   if (!Contains(*names, name)) names->push_back(name);
 }
 
-// What the options name is recorded, and known where it is remapped to.
+// Names of the options: each is recorded, and known where it is remapped to.
 void CheckNames(const recording::McapReader& reader, const std::string& file,
                 const std::vector<recording::TopicSchema>& known,
                 const std::vector<TopicPattern>& wanted, const std::vector<TopicPattern>& excluded,
