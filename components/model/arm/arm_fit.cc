@@ -290,6 +290,7 @@ ArmFit Arm::Fit(const ArmRuns& runs, const actuator::RobotModel& robot,
   std::fill(all.used.begin(), all.used.end(), 1);
   const std::vector<identify::Block> blocks = identify::MakeBlocks(all, kBlock_s, 0.0, 4);
   std::vector<identify::Moments> parts;
+  parts.reserve(blocks.size());
   for (const identify::Block& block : blocks) parts.push_back(stack.Sums(&block, weight));
   const Eigen::MatrixXd covariance = identify::BlockCovariance(parts, b);
   const double quantile =

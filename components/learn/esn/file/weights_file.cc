@@ -37,8 +37,8 @@ struct Place {
   Place operator[](std::string_view child) const {
     const auto found = json.find(std::string(child));
     const bool there = found != json.end();
-    const Place place{there ? *found : json, file,
-                      key.empty() ? std::string(child) : key + "." + std::string(child)};
+    Place place{there ? *found : json, file,
+                key.empty() ? std::string(child) : key + "." + std::string(child)};
     if (!there) place.Fail("missing, expected by schema " + std::string(kSchema));
     return place;
   }
