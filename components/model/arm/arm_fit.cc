@@ -298,7 +298,6 @@ ArmFit Arm::Fit(const ArmRuns& runs, const actuator::RobotModel& robot,
   const auto half_width = [&](Eigen::Index i) {
     return quantile * std::sqrt(std::max(0.0, covariance(i, i)));
   };
-
   ArmFit out;
   out.robot = robot;
   out.phi = dynamics_.nominal();
