@@ -18,28 +18,11 @@
 //     cap     = K (v(d) - v) - N T_max min(1, max(v, 0) k / a)
 //     torque  = min(commanded, cap / N), within the motor's limits
 //
-// The second term of cap is what braking along v(d) takes, the first corrects. Both together are a
-// velocity controller with the slope K + N T_max k / a. With a dead time L around an inertia J it
-// is stable while slope L / J < pi / 2 (Nyquist of exp(-sL) g / s); the lightest joint, J_r
-// (reflected inertia of the rotor), counts. Half of 1.4 for each term:
+//     K = 0.7 J_r / L,  k = min(0.25, 0.7 J_r a / (N T_max)) / L     J_r: rotor's, reflected
 //
-//     K = 0.7 J_r / L
-//     k = min(0.25, 0.7 J_r a / (N T_max)) / L                0.25: the outer loop (k) is that much
-//                                                             slower than the dead time
-//
-// Beyond the limit v(d) = k d < 0: a spring of stiffness K k that pushes back. A load outwards
-// holds it at load / (efficiency K k) beyond the limit, which is the tolerance: no command moves
-// the joint further, from any state inside the envelope (tests/bridge/joints/braking_test.cc). Free
-// play of the gear adds to it: in the play the motor's velocity is not the output's.
-//
-// An old measurement (MeasuredMotion::unknown_s, the time u beyond a period): braking follows the
-// joint where it is if it went on as it was, d - max(v, 0) u. Torque outwards is taken away as if
-// it had been driven with the most acceleration b all the time: velocity min(v + b u, v_limit), way
-// min(v u + b u^2 / 2, v_limit u).
-//
-// A joint without declared inertia (JointLimits::braking) cannot be braked by a law: how hard is
-// not known. Its torque outwards is only taken away, along sqrt(2 a d) with a = v_limit^2 / (2
-// margin): that of a joint that just stops within the margin beyond its limit.
+// Beyond the limit v(d) = k d < 0: a spring of stiffness K k that pushes back. An old measurement
+// (MeasuredMotion::unknown_s) is braked from the worst motion that it allows; the torque outwards
+// of a joint without declared inertia is only taken away. Derivation: README.md.
 #pragma once
 
 #include "bridge/joints/joint_config.h"

@@ -3,7 +3,7 @@
 //
 // Velocities and positions are those of the output, positive up; torque is that of the motor shaft,
 // positive drives the output up. Inputs must be finite. How a position limit is approached is
-// derived in braking.h.
+// derived in README.md.
 #pragma once
 
 #include "bridge/joints/braking.h"

@@ -14,21 +14,7 @@
 //     d = B (-thigh Ry(hip) e - shank Ry(hip + knee) e - offset Ry(s) e)                     (2)
 //     p = hip_in_pelvis + d + R sole_in_ankle                                                (3)
 //
-// Inverse. The ankle's axes do not meet, so the usual decoupling of a spherical ankle does not
-// hold. But pitch and offset lie in one plane, that of B's x and z; hence:
-//
-//  1. The centre of the ankle roll is known: d = p - hip_in_pelvis - R sole_in_ankle.
-//  2. d has no part along B y, which is the ankle pitch axis. In the foot's frame that axis is
-//     (0, cos a, -sin a), a the ankle roll, and d is r = R' d, so r_y cos a = r_z sin a:
-//     a = atan2(-r_y, -r_z). The other solution, a + pi, has the hip below the foot.
-//  3. M = R Rx(-a) = B Ry(s) has the second column (-sin yaw cos roll, cos yaw cos roll, sin roll)
-//     and the third row (-cos roll sin s, sin roll, cos roll cos s): yaw, roll (within +-90
-//     degrees) and s.
-//  4. The ankle pitch axis lies offset M e above the roll axis: c = B' (d + offset M e), c_y = 0.
-//     What is left is a planar chain of two links. With D = |c|,
-//         tan^2(knee / 2) = ((thigh + shank)^2 - D^2) / (D^2 - (thigh - shank)^2)
-//         hip pitch = atan2(-c_x, -c_z) - atan2(shank sin knee, thigh + shank cos knee)
-//         ankle pitch = s - hip pitch - knee
+// Inverse in closed form, although the ankle's axes do not meet: README.md.
 //
 // The knee bends backwards, as a human's: knee in [0, pi], so the shank turns back from the thigh.
 // A positive pitch moves what is below the joint back; both legs have the same axes, so mirroring a
@@ -37,9 +23,6 @@
 //
 //     knee in [0, pi], |hip roll| < pi / 2 and
 //     offset + shank cos(ankle pitch) + thigh cos(knee + ankle pitch) > 0  (hip above the foot) (4)
-//
-// Near a straight or a folded knee the knee's angle follows from D as a square root: an error of
-// 1e-16 of D is 1e-8 rad there. The sole's pose is exact all the same.
 //
 // Source: lengths and order of axes of NU-Biped-4.7, section 3.2.1 and Table 3.1; the derivation is
 // our own. SI units. Thread: free functions. Allocates nothing, throws nothing.

@@ -1,6 +1,6 @@
 // Joint angles of a squat, with exact velocities and accelerations: the torso upright, the sole
 // flat, yaw and rolls 0. Then the ankle pitch axis is straight below the ankle's offset and what is
-// left is the planar chain of kinematics.h, with the ankle (x, -h) from the hip, x constant:
+// left is the planar chain of README.md, with the ankle (x, -h) from the hip, x constant:
 //
 //     u = D^2 = x^2 + h^2,   k = cos knee = (u - a^2 - b^2) / (2 a b)        a thigh, b shank
 //     knee' = -k' / sin knee,        knee'' = -(k'' + k knee'^2) / sin knee

@@ -9,38 +9,11 @@
 // measures. Rows of the base in world axes of the base's heading: moments about the point G on the
 // ground midway between the feet, then forces.
 //
-// Which rows close. lambda lies in the ground and turns about the vertical, so it has no part in
-// the vertical force, nor in the two horizontal moments about a point on the ground: these three
-// rows close with the normal forces alone. A mass that is not declared shows in the first, its
-// horizontal place in the other two. Of all rows, (1) is multiplied by a basis N of what is
-// orthogonal to W J_t' (W: one over the noise of each row): 18 rows of twelve joints less 6
-// unknowns leave 12, and friction in a leg shows. N follows the posture smoothly: N = M (M'M)^-1/2
-// with M the part of a fixed N_0 that is orthogonal to W J_t' (symmetric orthonormalisation,
-// Loewdin 1950), so that channels are signals of time whose noise has a colour.
-//
-// A joint that stands has any friction up to its breakaway: its row is left out, and the links that
-// it joins count as one body. Where the motion is planar f_y and m_z reach the remaining joints
-// only by its imperfections: a kind of unknown whose lever arms are shorter than kWeakest of the
-// robot's reach (of m_z: whose axes are that far from vertical) is left out, with the row of the
-// base that it enters by itself. A squat with yaw and roll at rest keeps m_x, m_y, f_z, f_x and six
-// joints, 10 rows less 2 unknowns; a robot that stands still keeps m_x, m_y and f_z.
-//
-// Motion. Angles through the low-pass of identify/processing_settings.h, at most at 5 Hz,
-// differentiated as there.
-// Orientation and angular velocity of the base are the IMU's, through the same low-pass. Base
-// velocity and acceleration: the mean of the places that the force sensors touch does not move.
-// With c that mean from the base's origin, in the base's axes, R the base's orientation, w its
-// angular velocity (in the world's),
-//
-//     v = -(w x R c + R c'),   a = -(w' x R c + w x (w x R c) + 2 w x R c' + R c'')
-//
-// so that w is differentiated once and the orientation never: 1 mrad of it, twice differentiated
-// below 10 Hz, would be 1 m/s^2 at the end of a leg. Joints that the model does not name
-// (elastic toes) are rigid at 0.
-//
-// Rows in use: every moving joint away from rest and reversals (identify/processing.h), and both
-// feet flat: a foot that carries less than kLeastLoad of the weight, or whose centre of pressure is
-// outside of kCentral of the span of its sensors, tips.
+// (1) is multiplied by a basis of what is orthogonal to W J_t' (W: one over the noise of each row),
+// so that lambda leaves it. Rows in use: every moving joint away from rest and reversals
+// (identify/processing.h), and both feet flat: a foot that carries less than kLeastLoad of the
+// weight, or whose centre of pressure is outside of kCentral of the span of its sensors, tips.
+// The motion of the base is that of the IMU and of feet that do not slide. Derivation: README.md.
 //
 // SI; joints rad and Nm. Pure; allocates. Throws std::invalid_argument for what does not fit
 // together, identify::TooLittleData where no row is left.

@@ -1,49 +1,18 @@
 // Detects the fall of a biped from its IMU, feet and leg kinematics. Lost sensors count as a fall.
 //
-// A fall, as defined here (of the truth, not of an estimate):
-//
-//     tilt         the torso is tilted by more than 30 degrees, or
-//     base height  the base is below 0.8 of its nominal height, or
-//     free fall    more than half of the weight is carried by nothing.
-//
-// Nominal height: where the reference says that the base should be at this moment, an input. Fixed
-// at the standing height it would make every squat a fall (0.25 m of 0.65 m is 0.38). A base that
-// follows its reference h_ref = c + a cos(w t) late by d has, at worst, the ratio
-// 1 - a w d / sqrt(c^2 - a^2): with the benchmark squat (c 0.45, a 0.2 m, 0.2 Hz) and d = 50 ms
-// 0.97; 0.8 is reached at d = 0.32 s.
-//
 // Criteria. A row holds in a tick when its statistic is beyond the threshold; it is a fall when it
 // has held without a break for its time. A tick without the statistic neither confirms nor breaks.
 //
 //     criterion    statistic                     threshold                  for at least
 //     tilt         filter's tilt (tilt_filter.h) 30 deg - its error bound   0 (one tick)
 //     base height  up . p / h_ref                below 0.8                  20 ms
-//     free fall    |specific force|              below 0.5 g                50 ms with feet
-//     unloaded,
+//     free fall    |specific force|              below 0.5 g                50 ms, feet unloaded
 //                                                                           80 ms otherwise
 //
-// - Tilt: at 30 degrees of truth the filter shows at least 30 minus its bound (7.3 with the
-//   defaults), so no fall is missed, however slow. No alarm while the true tilt is below 30 minus
-//   twice the bound (15 degrees); healthy motion must stay below. The filter is smooth: one tick
-//   suffices. Latest detection: the filter's delay (15 ms) and a tick.
-// - Base height: p, the vector from the sole of the loaded foot to the base by leg kinematics, in
-//   the IMU's frame, along the filter's up. An encoder step (0.072 degrees, thesis 3.2.3) moves the
-//   base by 2.5 mm at most, 1 % at the lowest reference; a squat's tracking error by 3 %. 20 ms are
-//   at least two ticks from 50 Hz up, so that one corrupt position is no fall; a base that sinks at
-//   1 m/s sinks by 20 mm meanwhile.
-// - Free fall: healthy motion stays above 0.5 g as long as the reference lowers the base with less
-//   than 0.4 g (bias, noise and tracking have the rest): the benchmark squat has 0.03 g; 0.2 m of
-//   amplitude reach 0.4 g at 0.7 Hz. Rebounds after an impact ring with 20 Hz or more and are below
-//   for 25 ms at a time: twice that. Feet are unloaded when all eight sensors are there and sum to
-//   less than 0.2 of the weight; without that evidence the specific force alone must hold for 80
-//   ms, which with a tick stays below 100. Fallen meanwhile: 12 mm and 31 mm.
-//
-// Lost sensors. IMU, kinematics, reference, or all sensors of a foot without a new usable value for
-// more than lost_after_s = 50 ms; ticks missing for as long; no specific force usable for coast_s
-// of the filter. In 50 ms the tilt moves by at most g / l sin(30 deg) t^2 / 2 = 0.35 degrees more
-// than with the last angular velocity held, and half of the 100 ms are left. The state becomes
-// unknown, which is to be treated as a fall. The torso's orientation as the IMU itself estimates it
-// is no input. That the caller no longer calls is for a watchdog to find.
+// h_ref: the height that the reference asks for at this moment. Lost sensors: IMU, kinematics,
+// reference, or all sensors of a foot without a new usable value for more than lost_after_s; ticks
+// missing for as long; no specific force usable for coast_s of the filter. The state becomes
+// unknown, which is to be treated as a fall. Derivation of all numbers: README.md.
 //
 // States. Unknown from the start until the filter has started and all sensors are there; then
 // upright. Falling, and unknown by loss, stay until Reset: motors do not come back by themselves.

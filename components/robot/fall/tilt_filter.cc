@@ -11,7 +11,7 @@
 namespace sinew::fall {
 namespace {
 
-constexpr double kStartSigmas = 5.0;  // tilt_filter.h, start
+constexpr double kStartSigmas = 5.0;  // README.md, start
 constexpr double kSigmas = 4.0;       // of white noise: 6e-5 of the samples of an axis are beyond
 
 void RequirePositive(double value, const char* name) {

@@ -6,41 +6,12 @@
 // the estimate of up, v = f / |f| the measured one, w the angular velocity, b its bias:
 //
 //     u' = -(w - b + kP e) x u,    b' = -kI e,    e = v x u
-//
-// In a fall the specific force is no help: for a pendulum it points along the rod all the way down,
-// v says upright, and the filter is pulled back by kP. A pendulum of length l leaves the upright as
-// exp(lambda t), lambda^2 >= g / l, the estimate is short by kP / lambda of the tilt, which is a
-// delay of kP / lambda^2. The gain is the largest that keeps a stated delay d, since the errors
-// from the gyroscope's bias shrink with it:
-//
-//     kP = d g / l     (d = 15 ms, l = 1 m: 0.147 1/s)
-//     kI = kP^2 / 4    (two equal poles at kP / 2)
+//     kP = d g / l,  kI = kP^2 / 4    delay d = 15 ms in the fall of a pendulum of l = 1 m
 //
 // Specific forces that are not near g (||f| - g| > gate) are not used: gate = bias + motion + four
-// standard deviations of the noise. Without them the rotation alone is integrated.
-//
-// Error bound, the sum of (all in rad, defaults in degrees):
-//
-//     force_bias / g                  bias of the specific force: cannot be seen             4.09
-//     motion / g |T(i w_motion)|      horizontal accelerations of healthy motion,            0.69
-//                                     T = (kP s + kI) / (s + kP / 2)^2
-//     drift / kI                      bias that drifts                                       0.36
-//     2 / (e kP) sway / start_s       error of the bias learnt in the start: the torso       0.50
-//                                     may turn by sway meanwhile; peak of the response to it
-//     sway                            error of the direction in the start                    0.20
-//     rate_scale_error limit          of the way to the limit, which the gyroscope measures  0.90
-//     4 sqrt(rate_noise^2 T / (2 kP) + (force_noise / g)^2 T 5 kP / 8)        white noise    0.06
-//     coast_error                     while no specific force is used, see coast_s()         0.50
-//                                                                                   sum  7.33
-//
-// Start: the torso must hold still for start_s, in any attitude. u is the mean specific force's
-// direction, b the mean angular velocity. The start begins anew with a sample that is not near g or
-// is faster than the bounds allow at rest; when an axis of the gyroscope spans more than
-// 2 (5 rate_noise + pi sway / start_s), the second part being a sway of period 2 start_s (of the
-// 1440 samples at 240 Hz one is beyond 5 standard deviations in 1 of 1200 starts); and when the
-// mean directions of its halves differ by more than sway and noise. A sensor that is read faster
-// than it measures gives fewer samples in that time; a half lasts longer when it has fewer than (4
-// rate_noise start_s / sway)^2, so that noise adds less to b than sway does.
+// standard deviations of the noise. Without them the rotation alone is integrated. Start: the torso
+// must hold still for start_s, in any attitude. Derivation of gains, error bound and start:
+// README.md.
 //
 // Frames, signs: imu_check.h. Thread: one. Step is noexcept and allocates nothing.
 #pragma once

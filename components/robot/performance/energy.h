@@ -3,37 +3,21 @@
 // Joint side: tau the drive's torque, w the joint's velocity, both positive in the same direction,
 // p = tau w > 0 where the drive does work on the link. Motor side: I the current, N the gear ratio.
 //
-//     absolute_J          int |p| dt            of tables that count braking as effort
-//     positive_J          int max(p, 0) dt      positive mechanical work
-//     net_J               int p dt              returned work subtracted
+//     absolute_J          int |p| dt         of tables that count braking as effort
+//     positive_J          int max(p, 0) dt   positive mechanical work
+//     net_J               int p dt           returned work subtracted
 //     copper_loss_J       int R I^2 dt
-//     electrical_net_J    int P dt              P = R I^2 + Kt I N w: the supply takes back,
-//     without
-//                                               loss, what the motor regenerates (P < 0)
-//     electrical_drawn_J  int max(P, 0) dt      regenerated energy is lost: a supply without a sink
+//     electrical_net_J    int P dt           P = R I^2 + Kt I N w: the supply takes back, without
+//                                            loss, what the motor regenerates (P < 0)
+//     electrical_drawn_J  int max(P, 0) dt   regenerated energy is lost: a supply without a sink
 //
 // absolute = 2 positive - net; drawn >= net; copper loss >= 0. Kt I N w is the motor's own
 // mechanical power, so the gearbox's loss is contained in the electrical energies but not in those
 // of the joint side. R is the resistance for which R I^2 is the loss at the current I for which
 // Kt I is the motor's torque: 3/2 of the phase resistance where I is the q current of an
 // amplitude-invariant transform. Left out: the inverter's losses and idle power; the energy of the
-// inductance, which is zero between equal currents.
-//
-// Integration. Between two samples the power is taken as linear (trapezoidal rule), and |p| and
-// max(p, 0) of that line are integrated exactly, zero crossings included. Error of each integral,
-// over a time D with steps h, for powers with a bounded second derivative:
-//
-//     |error| <= D h^2 / 12 max |p''|
-//
-// (the chord's error is at most t (h - t) / 2 max|p''|, and neither |.| nor max(., 0) enlarges a
-// difference). A squat at the chirp's highest 1.5 Hz has power up to f = 3 Hz: at 240 Hz
-// (2 pi f h)^2 / 12 = 0.05 % of the power's amplitude, times D.
-//
-// Lost samples (missing ticks, values that are not usable, sliding_window.h) are bridged by the
-// line from the last sample before to the first one after when these are at most bridge_s apart,
-// and counted; a longer gap adds nothing and is counted as omitted. Default 0.05 s: for the same 3
-// Hz the bridge's error is (2 pi f bridge_s)^2 / 12 = 7 % of the power's amplitude times the gap's
-// length; twice that length would make it 30 %.
+// inductance, which is zero between equal currents. Trapezoidal rule, zero crossings exact; lost
+// samples are bridged up to bridge_s and counted. Errors of both: README.md.
 //
 // A linear joint has N, m/s and N/A for N m, rad/s and N m/A. Time is ticks times the nominal
 // period; a relative error of the period is one of the energy.
