@@ -16,8 +16,8 @@
 #include "components/robot/provider/plant.h"
 
 namespace sinew::bridge {
-
 using types::Require;
+
 namespace {
 
 using can::Command;

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
-#include <stdexcept>
 #include <string>
 #include <utility>
 
@@ -11,8 +10,8 @@
 #include "components/base/types/require.h"
 
 namespace sinew::virtual_axes {
-
 using types::Require;
+
 void CheckVirtualAxesConfig(const VirtualAxesConfig& config, int joints, int buses) {
   Require(config.step_s >= 1e-5 && config.step_s <= 0.1,
           "step_s = " + std::to_string(config.step_s) + ", expected 1e-5 to 0.1");

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
 #include <string>
 
 #include "components/base/types/gravity.h"
@@ -24,18 +23,18 @@ double DampingOfRestitution(double restitution) {
 }
 
 GroundLaw::GroundLaw(const GroundConfig& config) {
-  types::Require(true, "ground: height_m", config.height_m, "a finite number");
-  types::Require(config.friction >= 0.0, "ground: friction", config.friction, "at least 0");
-  types::Require(config.static_load_N > 0.0, "ground: static_load_N", config.static_load_N,
-                 "above 0");
-  types::Require(config.static_sink_m > 0.0, "ground: static_sink_m", config.static_sink_m,
-                 "above 0");
-  types::Require(config.restitution > 0.0 && config.restitution < 1.0, "ground: restitution",
-                 config.restitution, "above 0 and below 1");
-  types::Require(config.impact_speed_m_s > 0.0, "ground: impact_speed_m_s", config.impact_speed_m_s,
-                 "above 0");
-  types::Require(config.tangential_damping_ratio >= 0.0, "ground: tangential_damping_ratio",
-                 config.tangential_damping_ratio, "at least 0");
+  const auto require = [](bool holds, const char* name, double value, const char* expected) {
+    types::Require(holds, std::string("ground: ") + name, value, expected);
+  };
+  require(true, "height_m", config.height_m, "a finite number");
+  require(config.friction >= 0.0, "friction", config.friction, "at least 0");
+  require(config.static_load_N > 0.0, "static_load_N", config.static_load_N, "above 0");
+  require(config.static_sink_m > 0.0, "static_sink_m", config.static_sink_m, "above 0");
+  require(config.restitution > 0.0 && config.restitution < 1.0, "restitution", config.restitution,
+          "above 0 and below 1");
+  require(config.impact_speed_m_s > 0.0, "impact_speed_m_s", config.impact_speed_m_s, "above 0");
+  require(config.tangential_damping_ratio >= 0.0, "tangential_damping_ratio",
+          config.tangential_damping_ratio, "at least 0");
   height_m_ = config.height_m;
   friction_ = config.friction;
   stiffness_N_m_ = config.static_load_N / config.static_sink_m;

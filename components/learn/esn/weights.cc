@@ -11,8 +11,8 @@
 #include "components/learn/esn/normal.h"
 
 namespace sinew::esn {
-
 using types::Require;
+
 namespace {
 
 std::string Shape(Eigen::Index rows, Eigen::Index columns) {

@@ -9,8 +9,8 @@
 #include "components/learn/rls/dispatch.h"
 
 namespace sinew::rls {
-
 using types::Require;
+
 namespace {
 
 // The running innovation variance never falls to zero, where everything would be clipped.

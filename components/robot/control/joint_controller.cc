@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
-#include <string>
 
 #include "components/base/types/control_mode.h"
 #include "components/base/types/regime.h"
@@ -11,8 +10,8 @@
 #include "components/robot/reference/blend.h"
 
 namespace sinew::control {
-
 using types::Require;
+
 namespace {
 
 bool Finite(const Point& p) noexcept {

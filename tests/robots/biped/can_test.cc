@@ -12,6 +12,7 @@
 
 #include "bridge/can/bit_timing.h"
 #include "components/base/types/angle.h"
+#include "components/base/types/gravity.h"
 #include "components/model/actuator/file/model_file.h"
 #include "tests/robots/biped/can_biped.h"
 
@@ -23,7 +24,6 @@ using virtual_axes::BodyFaultKind;
 
 constexpr double kBottom_s = 2.5;   // of the reference: half of a squat
 constexpr double kMse_rad2 = 4e-5;  // 1.7e-5 found: drives without integrator yield to their load
-constexpr double kGravity_m_s2 = 9.81;
 // What is carried is a sample, its way and a cycle old, 9 ms at most, in which load and motion go
 // on: 0.59 N and 0.21 mrad found. Rate: five deviations of 1.7 mrad/s on each of three axes beside
 // that (12.5 mrad/s found). Mean specific force: 1 % of g (0.075 found: the torso shakes with the
@@ -99,7 +99,7 @@ TEST(BipedThroughCan, SquatsAndFeetAndImuReportWhatTheWorldHas) {
                                        Vector(truth.angular_velocity_rad_s))
                                           .norm());
     gained_m_s += period_s * (q_WB * Vector(carried.acceleration_m_s2) -
-                              Eigen::Vector3d(0.0, 0.0, kGravity_m_s2));
+                              Eigen::Vector3d(0.0, 0.0, types::kGravity_m_s2));
     for (std::size_t j = 0; j < CanBiped::kJoints; ++j) {
       const double wanted = biped.reference().config.joints[j].trajectory->At(t).position_rad;
       square_rad2 += std::pow(wanted - biped.sensors().position_rad[j], 2);
