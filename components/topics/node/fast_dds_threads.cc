@@ -1,7 +1,6 @@
 // Keeps the threads of Fast DDS that send again (docs/decisions/0014), discover and keep timers
 // (0015) below the cycles.
 #include <dlfcn.h>
-#include <fastdds/rtps/common/Locator.h>
 
 #include <cstring>
 #include <memory>
@@ -11,6 +10,7 @@
 #include <typeinfo>
 #include <utility>
 
+#include "components/topics/node/filtered_transport.h"
 #include "components/topics/node/helper_thread.h"
 
 namespace eprosima::fastdds::rtps {
@@ -33,12 +33,6 @@ bool IsRetransmission(const std::type_info& runs) noexcept {
 // The thread of all timers of a participant.
 bool KeepsTimers(const std::type_info& runs) noexcept {
   return std::strstr(runs.name(), "ResourceEvent") != nullptr;
-}
-
-// True for a receiving socket of discovery. RTPS 9.6.1.1: discovery has even ports (d0 = 0,
-// d1 = 10, the gains are even), data odd ones (d2 = 1, d3 = 11), and UseFreshPorts keeps that.
-bool IsDiscovery(const eprosima::fastrtps::rtps::Locator_t& locator) noexcept {
-  return locator.port % 2 == 0;
 }
 
 }  // namespace

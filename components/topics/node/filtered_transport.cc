@@ -7,6 +7,7 @@
 #include <atomic>
 #include <bit>
 #include <fastdds/rtps/common/LocatorList.hpp>
+#include <mutex>
 #include <span>
 #include <string>
 #include <utility>
@@ -102,6 +103,8 @@ class FilteredTransport final : public transport::ChainingTransport {
       Drop(remote_locator, receive_buffer_size, why);
       return;
     }
+    std::unique_lock<std::mutex> in_turn(discovery_, std::defer_lock);
+    if (IsDiscovery(local_locator)) in_turn.lock();
     next_receiver->OnDataReceived(passed.data(), static_cast<std::uint32_t>(passed.size()),
                                   local_locator, remote_locator);
   }
@@ -138,6 +141,7 @@ class FilteredTransport final : public transport::ChainingTransport {
   FilteredDescriptor descriptor_;
   const Admission& admission_ = descriptor_.admission();
   const DatagramFilter filter_{admission_.protection};
+  std::mutex discovery_;  // held while one of its datagrams is read
 };
 
 transport::TransportInterface* FilteredDescriptor::create_transport() const {
