@@ -25,7 +25,9 @@ class OtherOwner {
     if (node.options().mode == TimeMode::kRealtime) reader_.emplace(node.MakeReader(topic));
   }
 
-  // The oldest one that was not taken; own samples and those of other sessions are left out.
+  // The oldest one that was not taken. Own samples are left out, those of other sessions, and those
+  // that do not say any more whose the topic is: a writer that was stopped sends what it was about
+  // to send when it goes on, and nobody must go on from there.
   std::optional<Message> TakeNext(const Tick& tick) {
     while (reader_) {
       auto message = reader_->TakeNext();
@@ -34,7 +36,8 @@ class OtherOwner {
         heard_tick_.reset();
         continue;
       }
-      if (message->header().session_id() != tick.session_id) continue;
+      const bool same_session = message->header().session_id() == tick.session_id;
+      if (!same_session || !StillOwner(message->header().tick(), tick)) continue;
       session_id_ = tick.session_id;
       heard_tick_ = message->header().tick();
       replayed_ = message->header().origin() == msg::ORIGIN_REPLAY;

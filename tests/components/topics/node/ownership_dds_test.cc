@@ -217,6 +217,34 @@ TEST(OwnershipDds, AStandbyThatWasStoppedStandsByUntilItKnowsBetter) {
   EXPECT_FALSE(at(900)) << "it did not stand by when it was stopped";
 }
 
+// A writer that is stopped while it writes sends that sample when it goes on. A standby reference
+// that went on from one of 1.7 s before asked the joint to be elsewhere by radians.
+TEST(OwnershipDds, WhatAnOwnerSaidBeforeItWasStoppedIsNotFollowed) {
+  Node owner(OwnerOptions("first", 184)), node(OwnerOptions("second", 184));
+  auto writer = owner.MakeWriter(kJointCommand);
+  OtherOwner<msg::JointCommand> other(node, kJointCommand);
+  Tick tick;
+  tick.session_id = 9;
+  tick.tick = 400;
+  tick.nominal_period_s = 0.004;
+  msg::JointCommand command;
+  command.header().session_id(9);
+  std::vector<std::uint64_t> followed;
+  const auto send = [&](std::uint64_t number) {
+    command.header().tick(number);
+    (void)writer.Write(command);
+    node.WaitForData(5ms);
+    while (const auto heard = other.TakeNext(tick)) followed.push_back(heard->header().tick());
+  };
+  const auto end = Clock::now() + 10s;
+  while (followed.empty() && Clock::now() < end) send(395);
+  for (int k = 0; k < 20; ++k) send(10);
+  for (int k = 0; k < 20; ++k) send(394);
+  ASSERT_FALSE(followed.empty());
+  for (const std::uint64_t one : followed) EXPECT_EQ(one, 395u) << "five periods are 20 ms";
+  EXPECT_TRUE(other.StandsBy(tick));
+}
+
 // A loop whose thread was stopped sees that ticks are missing; its writers go below, and it takes
 // no trigger before the others know.
 TEST(OwnershipDds, ALoopThatMissedTicksStandsByWhenItIsBack) {
