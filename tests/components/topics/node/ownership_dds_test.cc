@@ -185,30 +185,48 @@ TEST(OwnershipDds, ASilentOwnerIsReplacedWithinTheDeadlineAndAFewPeriods) {
   EXPECT_TRUE(rig.provider.WaitUntilHeard("second"));
 }
 
-// What the owner said while this one was stopped may still wait in the sockets.
-TEST(OwnershipDds, AStandbyThatWasStoppedStandsByUntilItKnowsBetter) {
-  Node owner(OwnerOptions("first", 183)), node(OwnerOptions("second", 183));
-  auto writer = owner.MakeWriter(kJointCommand);
-  OtherOwner<msg::JointCommand> other(node, kJointCommand);
-  Tick tick;
-  tick.session_id = 9;
-  tick.tick = 10;
-  tick.nominal_period_s = 0.004;
-  msg::JointCommand command;
-  command.header().session_id(9);
-  command.header().tick(10);
-  bool heard = false;
-  const auto end = Clock::now() + 10s;
-  while (!heard && Clock::now() < end) {
+// An owner, and another participant that stands by.
+struct OwnerAndStandby {
+  OwnerAndStandby(int domain, std::uint64_t now)
+      : owner(OwnerOptions("first", domain)), node(OwnerOptions("second", domain)) {
+    tick.session_id = 9;
+    tick.tick = now;
+    tick.nominal_period_s = 0.004;
+  }
+  // The owner says a tick; the ticks that the standby follows then.
+  std::vector<std::uint64_t> FollowedAfter(std::uint64_t number) {
+    msg::JointCommand command;
+    command.header().session_id(9);
+    command.header().tick(number);
     (void)writer.Write(command);
     node.WaitForData(5ms);
-    heard = other.TakeNext(tick).has_value();
+    std::vector<std::uint64_t> followed;
+    while (const auto heard = other.TakeNext(tick)) followed.push_back(heard->header().tick());
+    return followed;
   }
-  ASSERT_TRUE(heard);
-  EXPECT_TRUE(other.StandsBy(tick));
+  // Until it is followed.
+  bool Follows(std::uint64_t number) {
+    const auto end = Clock::now() + 10s;
+    while (Clock::now() < end) {
+      if (!FollowedAfter(number).empty()) return true;
+    }
+    return false;
+  }
+
+  Node owner, node;
+  Writer<msg::JointCommand> writer = owner.MakeWriter(kJointCommand);
+  OtherOwner<msg::JointCommand> other{node, kJointCommand};
+  Tick tick;
+};
+
+// What the owner said while this one was stopped may still wait in the sockets.
+TEST(OwnershipDds, AStandbyThatWasStoppedStandsByUntilItKnowsBetter) {
+  OwnerAndStandby rig(183, 10);
+  ASSERT_TRUE(rig.Follows(10));
+  EXPECT_TRUE(rig.other.StandsBy(rig.tick));
   const auto at = [&](std::uint64_t number) {
-    tick.tick = number;
-    return other.StandsBy(tick);
+    rig.tick.tick = number;
+    return rig.other.StandsBy(rig.tick);
   };
   EXPECT_TRUE(at(11));
   EXPECT_TRUE(at(400)) << "stopped from 12 to 399";
@@ -218,31 +236,16 @@ TEST(OwnershipDds, AStandbyThatWasStoppedStandsByUntilItKnowsBetter) {
 }
 
 // A writer that is stopped while it writes sends that sample when it goes on. A standby reference
-// that went on from one of 1.7 s before asked the joint to be elsewhere by radians.
+// that goes on from one of 1.7 s before asks the joint to be elsewhere by radians.
 TEST(OwnershipDds, WhatAnOwnerSaidBeforeItWasStoppedIsNotFollowed) {
-  Node owner(OwnerOptions("first", 184)), node(OwnerOptions("second", 184));
-  auto writer = owner.MakeWriter(kJointCommand);
-  OtherOwner<msg::JointCommand> other(node, kJointCommand);
-  Tick tick;
-  tick.session_id = 9;
-  tick.tick = 400;
-  tick.nominal_period_s = 0.004;
-  msg::JointCommand command;
-  command.header().session_id(9);
-  std::vector<std::uint64_t> followed;
-  const auto send = [&](std::uint64_t number) {
-    command.header().tick(number);
-    (void)writer.Write(command);
-    node.WaitForData(5ms);
-    while (const auto heard = other.TakeNext(tick)) followed.push_back(heard->header().tick());
-  };
-  const auto end = Clock::now() + 10s;
-  while (followed.empty() && Clock::now() < end) send(395);
-  for (int k = 0; k < 20; ++k) send(10);
-  for (int k = 0; k < 20; ++k) send(394);
-  ASSERT_FALSE(followed.empty());
-  for (const std::uint64_t one : followed) EXPECT_EQ(one, 395u) << "five periods are 20 ms";
-  EXPECT_TRUE(other.StandsBy(tick));
+  OwnerAndStandby rig(184, 400);
+  ASSERT_TRUE(rig.Follows(395)) << "five periods are 20 ms";
+  for (const std::uint64_t old : {10u, 394u}) {
+    for (int k = 0; k < 20; ++k) {
+      for (const std::uint64_t one : rig.FollowedAfter(old)) EXPECT_EQ(one, 395u);
+    }
+  }
+  EXPECT_TRUE(rig.other.StandsBy(rig.tick));
 }
 
 // A loop whose thread was stopped sees that ticks are missing; its writers go below, and it takes
