@@ -25,7 +25,7 @@ INCLUDE = re.compile(r'\s*#\s*include\s*(["<])([^">]+)')
 COMMENT = re.compile(r"\s*//(?!.*NOLINT)")
 FINDING = re.compile("(error|warning): ")
 GENERATED = (  # an include that the tree does not have, and what the build makes it from
-    (r"sinew_idl/(\w+?)(PubSubTypes)?\.h", r"idl/\1.idl"),
+    (r"sinew_idl/(\w+)\.h", r"idl/\1.idl"),
     (r"components/topics/node/(all|topic)_\w+\.h", "idl/README.md", "idl/*.idl", "tools/idl/topics.py"),
     (r"components/topics/node/version\.h", "components/topics/node/version.h.in"),
     (r"effect_list\.inc", "components/model/effects/CMakeLists.txt"),

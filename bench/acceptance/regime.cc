@@ -160,7 +160,7 @@ SetupScore RunSetupCase(const SetupCase& at) {
       break;
     }
     if (out.trouble != regime::Trouble::kNone) break;
-    if (out.request == regime::Request::kPush) {
+    if (out.request == types::Motion::kPushAgainstChamber) {
       const double target_rad = parameters.gear.ratio * out.request_target_rad - offset_motor_rad;
       const double step_rad = parameters.gear.ratio * config.velocity_rad_s * kCycle_s;
       input.drive.position_rad +=

@@ -150,22 +150,22 @@ void CommandArmed(const node::Options& options, std::uint64_t cycles,
     }
     const auto state = states.WaitNext(milliseconds(200));
     if (!state) continue;
-    const std::uint64_t tick = state->header().tick();
-    if (state->robot_state() == msg::ROBOT_ARMED) {
+    const std::uint64_t tick = state->header.tick;
+    if (state->robot_state == msg::RobotState::kArmed) {
       ++armed;
     } else if (tick % 60 == 0) {
       msg::OperatorCommand command;
-      command.header(state->header());
-      command.action(state->robot_state() == msg::ROBOT_FAULT ? msg::OPERATOR_RESET
-                                                              : msg::OPERATOR_ARM);
+      command.header = state->header;
+      command.action = state->robot_state == msg::RobotState::kFault ? msg::OperatorAction::kReset
+                                                                     : msg::OperatorAction::kArm;
       (void)operators.Write(command);
     }
     msg::JointCommand command;
-    command.header(state->header());
-    command.joint_count(kJoints);
+    command.header = state->header;
+    command.joint_count = kJoints;
     for (std::size_t j = 0; j < kJoints; ++j) {
-      command.mode()[j] = msg::COMMAND_TORQUE;
-      command.motor_torque_Nm()[j] = TorqueOf(tick, j);
+      command.mode[j] = msg::CommandMode::kTorque;
+      command.motor_torque_Nm[j] = TorqueOf(tick, j);
     }
     (void)commands.Write(command);
   }

@@ -101,12 +101,12 @@ class Pair {
   bool Talks() {
     const auto end = Clock::now() + std::chrono::seconds(20);
     msg::JointCommand command;
-    command.header().session_id(reinterpret_cast<std::uintptr_t>(this));
+    command.header.session_id = reinterpret_cast<std::uintptr_t>(this);
     while (Clock::now() < end) {
-      command.header().tick(++tick_);
+      command.header.tick = ++tick_;
       (void)writer_.Write(command);
       while (const auto heard = reader_.WaitNext(std::chrono::milliseconds(20))) {
-        if (heard->header().session_id() == command.header().session_id()) return true;
+        if (heard->header.session_id == command.header.session_id) return true;
       }
     }
     return false;

@@ -53,7 +53,7 @@ class Bench {
     std::vector<double> took_ms;
     for (int k = 0; k < count; ++k) {
       if (!rig_.Arm() || !rig_.Run(0.001, seconds(15), [&](const msg::JointState& s) {
-            return s.robot_state() == msg::ROBOT_ARMED && watch_.InClosedLoop();
+            return s.robot_state == msg::RobotState::kArmed && watch_.InClosedLoop();
           })) {
         throw std::runtime_error("not armed\n" + Last(rig_.bridge().error()));
       }
@@ -67,11 +67,11 @@ class Bench {
       Release();
       // Until everybody has heard that the robot has stopped.
       if (!rig_.Run(0.0, seconds(15), [&, n = 0](const msg::JointState& s) mutable {
-            return s.robot_state() == msg::ROBOT_ESTOPPED && ++n > 5;
+            return s.robot_state == msg::RobotState::kEstopped && ++n > 5;
           })) {
         throw std::runtime_error("not estopped\n" + Last(rig_.bridge().error()));
       }
-      if (!rig_.Order(msg::OPERATOR_RESET, msg::ROBOT_DISARMED)) {
+      if (!rig_.Order(msg::OperatorAction::kReset, msg::RobotState::kDisarmed)) {
         throw std::runtime_error("no reset\n" + Last(rig_.bridge().error()));
       }
     }

@@ -157,8 +157,8 @@ bool Soak::SendTrigger(bool mutated) {
       scratch_[last_tick_offset_] = std::byte{0};
     }
     thread_local msg::JointState state;
-    jumps = node::Decode(scratch_, &state) && state.header().session_id() == session_id_ &&
-            state.header().tick() > environment_.tick;
+    jumps = node::Decode(scratch_, &state) && state.header.session_id == session_id_ &&
+            state.header.tick > environment_.tick;
   }
   ++(mutated ? topics_[index].mutated : topics_[index].well_formed);
   if (mutated) ++payloads_;

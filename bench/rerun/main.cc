@@ -29,8 +29,8 @@ struct BenchOptions {
 void AskForSnapshots(node::Node& operators, std::uint64_t session_id, std::uint64_t after_tick) {
   auto writer = operators.MakeWriter(node::kSnapshotRequest);
   msg::SnapshotRequest request;
-  request.header().session_id(session_id);
-  request.after_tick(after_tick);
+  request.header.session_id = session_id;
+  request.after_tick = after_tick;
   if (writer.Write(request) != node::WriteStatus::kOk) std::fputs("request not sent\n", stderr);
 }
 

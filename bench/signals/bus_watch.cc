@@ -50,11 +50,11 @@ void StartOrdinaryProcesses() {
 }
 
 void Published::Add(const msg::JointState& state, std::int64_t now_ns) {
-  const Tick tick{state.header().session_id(), state.header().tick()};
+  const Tick tick{state.header.session_id, state.header.tick};
   const std::int64_t epoch_ns = types::EpochNow_ns();
-  measured_ns_[tick] = now_ns - std::max<std::int64_t>(0, epoch_ns - state.header().stamp_ns());
+  measured_ns_[tick] = now_ns - std::max<std::int64_t>(0, epoch_ns - state.header.stamp_ns);
   states_.push_back(tick);
-  if (state.robot_state() == msg::ROBOT_ARMED) armed_ns_.push_back(measured_ns_[tick]);
+  if (state.robot_state == msg::RobotState::kArmed) armed_ns_.push_back(measured_ns_[tick]);
   while (armed_ns_.size() > kTicks) armed_ns_.pop_front();
   while (states_.size() > kTicks) {
     measured_ns_.erase(states_.front());
@@ -63,9 +63,9 @@ void Published::Add(const msg::JointState& state, std::int64_t now_ns) {
 }
 
 void Published::Add(const msg::JointCommand& command) {
-  const Tick tick{command.header().session_id(), command.header().tick()};
-  const bool torque = command.mode()[0] == msg::COMMAND_TORQUE;  // else idle: none
-  const auto value = torque ? static_cast<float>(command.motor_torque_Nm()[0] * kScale) : 0.0F;
+  const Tick tick{command.header.session_id, command.header.tick};
+  const bool torque = command.mode[0] == msg::CommandMode::kTorque;  // else idle: none
+  const auto value = torque ? static_cast<float>(command.motor_torque_Nm[0] * kScale) : 0.0F;
   newest_[value] = tick;
   commands_.emplace_back(value, tick);
   while (commands_.size() > kTicks) {

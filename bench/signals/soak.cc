@@ -111,14 +111,14 @@ void Soak::Take() {
     if (sample.topic == node::kJointState.name) {
       if (!DecodeSample(sample, &state)) continue;
       published_.Add(state, types::MonotonicNow_ns());
-      if (state.robot_state() != state_.robot_state()) {
-        Log("state " + std::to_string(static_cast<int>(state.robot_state())));
+      if (state.robot_state != state_.robot_state) {
+        Log("state " + std::to_string(static_cast<int>(state.robot_state)));
       }
       state_ = state;
     } else if (sample.topic == node::kJointCommand.name) {
       if (DecodeSample(sample, &command)) published_.Add(command);
     } else if (DecodeSample(sample, &source)) {
-      NoteDriver(source.joint_command_participant().to_string());
+      NoteDriver(source.joint_command_participant);
     }
   }
 }
@@ -139,12 +139,12 @@ void Soak::NoteDriver(const std::string& name) {
 
 void Soak::Operate() {
   const auto now = Clock::now();
-  const bool fault = state_.robot_state() == msg::ROBOT_FAULT;
-  if (now < next_word_ || !(fault || state_.robot_state() == msg::ROBOT_DISARMED)) return;
+  const bool fault = state_.robot_state == msg::RobotState::kFault;
+  if (now < next_word_ || !(fault || state_.robot_state == msg::RobotState::kDisarmed)) return;
   next_word_ = now + kWordPeriod;
   msg::OperatorCommand word;
-  word.header(state_.header());
-  word.action(fault ? msg::OPERATOR_RESET : msg::OPERATOR_ARM);
+  word.header = state_.header;
+  word.action = fault ? msg::OperatorAction::kReset : msg::OperatorAction::kArm;
   (void)operator_.Write(word);
 }
 

@@ -91,11 +91,11 @@ int Command(const Place& place, const std::string& name) {
     const auto state = states.WaitNext(milliseconds(200));
     if (!state) continue;
     msg::JointCommand command;
-    command.header(state->header());
-    command.joint_count(1);
-    command.mode()[0] = msg::COMMAND_TORQUE;
-    command.motor_torque_Nm()[0] =
-        kTorque_Nm + kStep_Nm * static_cast<double>(state->header().tick() % kPattern);
+    command.header = state->header;
+    command.joint_count = 1;
+    command.mode[0] = msg::CommandMode::kTorque;
+    command.motor_torque_Nm[0] =
+        kTorque_Nm + kStep_Nm * static_cast<double>(state->header.tick % kPattern);
     (void)commands.Write(command);
   }
   return 0;
@@ -284,13 +284,13 @@ class Bench {
 
   bool ArmedAndMoving() {
     while (const auto state = states_.TakeNext()) last_ = *state;
-    const bool fault = last_.robot_state() == msg::ROBOT_FAULT;
+    const bool fault = last_.robot_state == msg::RobotState::kFault;
     if (fault) watcher_->Clear();
-    if (fault || last_.robot_state() == msg::ROBOT_DISARMED) {
+    if (fault || last_.robot_state == msg::RobotState::kDisarmed) {
       if (++asked_ % 20 == 1) {
         msg::OperatorCommand command;
-        command.header(last_.header());
-        command.action(fault ? msg::OPERATOR_RESET : msg::OPERATOR_ARM);
+        command.header = last_.header;
+        command.action = fault ? msg::OperatorAction::kReset : msg::OperatorAction::kArm;
         (void)operator_.Write(command);
       }
       return false;

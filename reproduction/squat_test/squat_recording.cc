@@ -37,7 +37,7 @@ void Take(const node::Bytes& bytes, std::map<std::uint64_t, Tick>* ticks,
           std::optional<Message> Tick::*member) {
   Message message;
   if (!node::Decode(bytes, &message)) return;
-  const std::uint64_t tick = message.header().tick();
+  const std::uint64_t tick = message.header.tick;
   (*ticks)[tick].*member = std::move(message);
 }
 
@@ -72,19 +72,19 @@ SquatRecording ReadSquats(const std::filesystem::path& file) {
   for (const auto& [number, tick] : ReadTicks(file)) {
     if (!tick.state || !tick.reference || !tick.truth) continue;
     if (squats.time_s.empty()) {
-      squats.period_s = tick.state->period_s();
-      squats.joints = static_cast<int>(tick.state->joint_count());
+      squats.period_s = tick.state->period_s;
+      squats.joints = static_cast<int>(tick.state->joint_count);
     }
     squats.time_s.push_back(static_cast<double>(number) * squats.period_s);
     types::JointArray<double> reference{}, position{};
     for (std::size_t j = 0; j < static_cast<std::size_t>(squats.joints); ++j) {
-      reference[j] = tick.reference->position_rad()[j];
-      position[j] = tick.state->position_rad()[j];
+      reference[j] = tick.reference->position_rad[j];
+      position[j] = tick.state->position_rad[j];
     }
     squats.reference_rad.push_back(reference);
     squats.position_rad.push_back(position);
-    squats.height_m.push_back(tick.truth->position_m()[2]);
-    squats.tilt_rad.push_back(types::Tilt(tick.truth->orientation_wxyz()));
+    squats.height_m.push_back(tick.truth->position_m[2]);
+    squats.tilt_rad.push_back(types::Tilt(tick.truth->orientation_wxyz));
   }
   if (squats.time_s.empty()) {
     throw UsageError(file.string() +

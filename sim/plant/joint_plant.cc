@@ -295,7 +295,7 @@ LinkLoad JointPlant::Begin(double position_rad, double velocity_rad_s, double dt
   LinkLoad load{.torque_Nm = on_link.torque,
                 .added_inertia_kg_m2 = on_link.inertia,
                 .friction_Nm = on_link.friction};
-  const bool rotary = model_.kind == types::JointKind::kRotary;
+  const bool rotary = model_.kind == types::JointKind::kRevolute;
   const double arm = rotary ? model_.constants.link_length_m : 1.0;
   if (adds_load_force_) load.torque_Nm -= sample_.load_force_N * arm;
   if (adds_payload_) {

@@ -53,7 +53,7 @@ void CheckModelOfChain(const arm::Chain& chain, const actuator::RobotModel& mode
     }
     const arm::Body& described = chain.bodies[static_cast<std::size_t>(body)];
     arm::RequireFree(described);
-    if (described.prismatic != (joint.kind == types::JointKind::kLinear)) {
+    if (described.prismatic != (joint.kind == types::JointKind::kPrismatic)) {
       throw std::invalid_argument("joint '" + joint.name + "' is " +
                                   (described.prismatic ? "prismatic" : "revolute") +
                                   " in the URDF, but not in the model");

@@ -29,8 +29,7 @@ void ExpectReported(ResidualCase at) {
     EXPECT_EQ(score.false_alarms, 0) << "seed " << seed;
     EXPECT_TRUE(score.reported) << "seed " << seed;
     EXPECT_LE(score.delay_s, kInTime_s) << "seed " << seed;
-    EXPECT_TRUE(CauseIsRight(score))
-        << "seed " << seed << ": " << residual::CauseName(score.follows);
+    EXPECT_TRUE(CauseIsRight(score)) << "seed " << seed << ": " << NameOf(score.follows);
   }
 }
 

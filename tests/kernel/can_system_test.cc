@@ -180,9 +180,9 @@ class System {
   const msg::BusStatus& bus() const { return bus_; }
   const msg::ComponentStatus& status() const { return status_; }
   std::uint64_t cycles() const { return cycles_; }
-  const Angles& motor_rad() const { return actuator_.motor_position_rad(); }
+  const Angles& motor_rad() const { return actuator_.motor_position_rad; }
   bool all_valid() const {
-    return std::all_of(state_.valid().begin(), state_.valid().begin() + kJoints,
+    return std::all_of(state_.valid.begin(), state_.valid.begin() + kJoints,
                        [](bool valid) { return valid; });
   }
 
@@ -195,61 +195,61 @@ class System {
       state_ = *state;
       ++cycles_;
       msg::JointCommand command;
-      command.header(state_.header());
-      command.joint_count(kJoints);
-      const int number = static_cast<int>(state_.header().tick() % kCommands);
+      command.header = state_.header;
+      command.joint_count = kJoints;
+      const int number = static_cast<int>(state_.header.tick % kCommands);
       for (int j = 0; j < kJoints; ++j) {
         const auto i = static_cast<std::size_t>(j);
-        command.mode()[i] = msg::COMMAND_TORQUE;
-        command.motor_torque_Nm()[i] = MotorTorque_Nm(j, number);
+        command.mode[i] = msg::CommandMode::kTorque;
+        command.motor_torque_Nm[i] = MotorTorque_Nm(j, number);
       }
       (void)commands_.Write(command);
       while (const auto actuator = actuators_.TakeNext()) actuator_ = *actuator;
       while (const auto bus = bus_status_.TakeNext()) bus_ = *bus;
       while (const auto status = component_.TakeNext()) {
-        if (status->name() == "can-bridge") status_ = *status;
+        if (status->name == "can-bridge") status_ = *status;
       }
       if (done()) return true;
     }
     return false;
   }
   bool RunCycles(int count) {
-    const std::uint64_t until = state_.header().tick() + static_cast<std::uint64_t>(count);
-    return Run(seconds(60), [&] { return state_.header().tick() >= until; });
+    const std::uint64_t until = state_.header.tick + static_cast<std::uint64_t>(count);
+    return Run(seconds(60), [&] { return state_.header.tick >= until; });
   }
   bool RunUntil(msg::RobotState wanted) {
-    return Run(seconds(30), [&] { return state_.robot_state() == wanted; });
+    return Run(seconds(30), [&] { return state_.robot_state == wanted; });
   }
   // The motor runs out.
   bool RunUntilAtRest() {
     Angles before_rad = motor_rad();
-    std::uint64_t since = state_.header().tick();
+    std::uint64_t since = state_.header.tick;
     return Run(seconds(30), [&] {
       if (Moved(before_rad, motor_rad()).second > 0.5 * kRest_rad) {
         before_rad = motor_rad();
-        since = state_.header().tick();
+        since = state_.header.tick;
       }
-      return state_.header().tick() > since + 25;
+      return state_.header.tick > since + 25;
     });
   }
   void Operator(msg::OperatorAction action) {
     msg::OperatorCommand command;
-    command.header(state_.header());
-    command.action(action);
+    command.header = state_.header;
+    command.action = action;
     (void)operator_.Write(command);
   }
   bool Ask(msg::OperatorAction action, msg::RobotState wanted) {
     return Run(seconds(30), [&, k = 0]() mutable {
-      if (state_.robot_state() == wanted) return true;
+      if (state_.robot_state == wanted) return true;
       if (k++ % 50 == 0) Operator(action);
       return false;
     });
   }
   // From here on nothing may move, from there on it may: written down for the check of the log.
-  void Quiet() { Mark("quiet", std::to_string(state_.header().stamp_ns())); }
+  void Quiet() { Mark("quiet", std::to_string(state_.header.stamp_ns)); }
   bool Arm() {
     Mark("armed", std::to_string(types::EpochNow_ns()));
-    return Ask(msg::OPERATOR_ARM, msg::ROBOT_ARMED);
+    return Ask(msg::OperatorAction::kArm, msg::RobotState::kArmed);
   }
   void Mark(const std::string& name, const std::string& value) {
     marks_ << name << ' ' << value << '\n' << std::flush;
@@ -294,27 +294,28 @@ class CanSystem : public ::testing::Test {
   // What follows every failure of the bus: it works again, yet nothing moves until an operator has
   // reset and armed.
   static void ExpectRestUntilResetAndArmed() {
-    ASSERT_TRUE(it().Run(seconds(30), [] { return it().all_valid() && it().bus().up()[0]; }))
+    ASSERT_TRUE(it().Run(seconds(30), [] { return it().all_valid() && it().bus().up[0]; }))
         << it().bridge().error();
     ASSERT_TRUE(it().RunUntilAtRest());
     const Angles rest_rad = it().motor_rad();
     ASSERT_TRUE(it().RunCycles(kQuietCycles));
-    EXPECT_EQ(it().state().robot_state(), msg::ROBOT_FAULT);
+    EXPECT_EQ(it().state().robot_state, msg::RobotState::kFault);
     EXPECT_LT(Moved(rest_rad, it().motor_rad()).second, kRest_rad);
-    ASSERT_TRUE(it().Ask(msg::OPERATOR_RESET, msg::ROBOT_DISARMED)) << it().bridge().error();
+    ASSERT_TRUE(it().Ask(msg::OperatorAction::kReset, msg::RobotState::kDisarmed))
+        << it().bridge().error();
     ASSERT_TRUE(it().RunCycles(kQuietCycles));
-    EXPECT_EQ(it().state().robot_state(), msg::ROBOT_DISARMED) << it().bridge().error();
+    EXPECT_EQ(it().state().robot_state, msg::RobotState::kDisarmed) << it().bridge().error();
     EXPECT_LT(Moved(rest_rad, it().motor_rad()).second, kRest_rad);
     ASSERT_TRUE(it().Arm()) << it().bridge().error();
     EXPECT_TRUE(it().Run(seconds(30), [&] {
       return Moved(rest_rad, it().motor_rad()).first > kMoves_rad;
     })) << it().bridge().error();
-    EXPECT_EQ(it().state().robot_state(), msg::ROBOT_ARMED) << it().bridge().error();
+    EXPECT_EQ(it().state().robot_state, msg::RobotState::kArmed) << it().bridge().error();
   }
   // Armed and whole, before something is done to it.
   static void ExpectArmed() {
     ASSERT_TRUE(it().RunCycles(10));
-    ASSERT_EQ(it().state().robot_state(), msg::ROBOT_ARMED) << it().bridge().error();
+    ASSERT_EQ(it().state().robot_state, msg::RobotState::kArmed) << it().bridge().error();
     ASSERT_TRUE(it().all_valid());
   }
 
@@ -326,9 +327,9 @@ TEST_F(CanSystem, TwelveJointsRestWhileDisarmedAndFollowTheirCommandsForThousand
   ASSERT_TRUE(it().Run(seconds(60), [] { return it().all_valid(); }))
       << it().bridge().error() << it().axes().error();
   it().Quiet();
-  EXPECT_EQ(it().state().joint_count(), kJoints);
-  EXPECT_EQ(it().state().header().origin(), msg::ORIGIN_LIVE);
-  EXPECT_EQ(it().state().robot_state(), msg::ROBOT_DISARMED);
+  EXPECT_EQ(it().state().joint_count, kJoints);
+  EXPECT_EQ(it().state().header.origin, msg::Origin::kLive);
+  EXPECT_EQ(it().state().robot_state, msg::RobotState::kDisarmed);
   ASSERT_TRUE(it().RunUntilAtRest());
   const Angles rest_rad = it().motor_rad();
   ASSERT_TRUE(it().RunCycles(kQuietCycles));
@@ -337,11 +338,11 @@ TEST_F(CanSystem, TwelveJointsRestWhileDisarmedAndFollowTheirCommandsForThousand
   ASSERT_TRUE(it().Arm()) << it().bridge().error();
   ASSERT_TRUE(it().RunCycles(50)) << "until all are in closed loop and their speeds stand";
   const Angles start_rad = it().motor_rad();
-  const std::uint64_t first = it().cycles(), until = it().state().header().tick() + kCycles;
+  const std::uint64_t first = it().cycles(), until = it().state().header.tick + kCycles;
   int armed = 0;
   ASSERT_TRUE(it().Run(seconds(120), [&] {
-    armed += it().state().robot_state() == msg::ROBOT_ARMED ? 1 : 0;
-    return it().state().header().tick() >= until;
+    armed += it().state().robot_state == msg::RobotState::kArmed ? 1 : 0;
+    return it().state().header.tick >= until;
   }));
   const auto seen = static_cast<int>(it().cycles() - first);
   EXPECT_EQ(armed, seen) << it().bridge().error();
@@ -357,11 +358,11 @@ TEST_F(CanSystem, TwelveJointsRestWhileDisarmedAndFollowTheirCommandsForThousand
   constexpr double kTolerance =
       0.05;  // a joint is off by 8 % at least when it has another's torque
   for (int j = 1; j < kJoints; ++j) EXPECT_NEAR(reach_rad(j) / reach_rad(0), 1.0, kTolerance) << j;
-  EXPECT_EQ(it().bus().frames_dropped()[0], 0U);
-  EXPECT_EQ(it().bus().error_frames()[0], 0U);
+  EXPECT_EQ(it().bus().frames_dropped[0], 0U);
+  EXPECT_EQ(it().bus().error_frames[0], 0U);
   std::printf(
       "%d cycles armed, %d states seen; load %.0f %% of 1 Mbit/s, bridge's work p50 %.0f us\n",
-      kCycles, seen, it().bus().load_percent()[0], it().bus().cycle_p50_us());
+      kCycles, seen, it().bus().load_percent[0], it().bus().cycle_p50_us);
 }
 
 TEST_F(CanSystem, NoiseOfOthersAndBrokenFramesOfOurOwnMoveNothing) {
@@ -405,7 +406,7 @@ TEST_F(CanSystem, NoiseOfOthersAndBrokenFramesOfOurOwnMoveNothing) {
           broken += send(static_cast<std::uint32_t>(node) << can::kCommandBits | kind.command,
                          1 + static_cast<int>(random() % static_cast<unsigned>(kind.longest)));
         }
-        EXPECT_EQ(it().state().robot_state(), msg::ROBOT_ARMED);
+        EXPECT_EQ(it().state().robot_state, msg::RobotState::kArmed);
         EXPECT_TRUE(it().all_valid());
         ended = ended || cangen.Wait(milliseconds(0)) == 0;
         return ended && foreign == kForeign && broken == kBroken;
@@ -416,22 +417,23 @@ TEST_F(CanSystem, NoiseOfOthersAndBrokenFramesOfOurOwnMoveNothing) {
   it().Mark("noise_foreign", std::to_string(foreign));
   it().Mark("noise_broken", std::to_string(broken));
   ExpectArmed();
-  EXPECT_EQ(it().bus().error_frames()[0], 0U);
+  EXPECT_EQ(it().bus().error_frames[0], 0U);
 }
 
 TEST_F(CanSystem, InterfaceThatIsDownForASecondIsAFaultThatOnlyAnOperatorEnds) {
   ExpectArmed();
   ASSERT_EQ(testing::Run({"ip", "link", "set", Interface(), "down"}).exit_code, 0);
-  ASSERT_TRUE(it().RunUntil(msg::ROBOT_FAULT)) << it().bridge().error();
+  ASSERT_TRUE(it().RunUntil(msg::RobotState::kFault)) << it().bridge().error();
   it().Quiet();
   EXPECT_TRUE(it().bridge().WaitForText("bus '" + Interface() + "' is down", seconds(5)))
       << it().bridge().error();
-  EXPECT_TRUE(it().Run(seconds(5), [] { return !it().bus().up()[0] && !it().all_valid(); }));
-  EXPECT_TRUE(it().Run(seconds(5), [] { return it().status().state() == msg::COMPONENT_FAULT; }))
-      << "component_status";
+  EXPECT_TRUE(it().Run(seconds(5), [] { return !it().bus().up[0] && !it().all_valid(); }));
+  EXPECT_TRUE(it().Run(seconds(5), [] {
+    return it().status().state == msg::ComponentState::kFault;
+  })) << "component_status";
   ASSERT_TRUE(it().RunCycles(100)) << "the rest of the second, and more";
-  EXPECT_EQ(it().state().robot_state(), msg::ROBOT_FAULT);
-  EXPECT_GT(it().bus().frames_dropped()[0], 0U);
+  EXPECT_EQ(it().state().robot_state, msg::RobotState::kFault);
+  EXPECT_GT(it().bus().frames_dropped[0], 0U);
   ASSERT_EQ(testing::Run({"ip", "link", "set", Interface(), "up"}).exit_code, 0);
   ExpectRestUntilResetAndArmed();
 }
@@ -446,24 +448,25 @@ TEST_F(CanSystem, BusOffIsAFaultThatOnlyAnOperatorEndsAfterTheRestart) {
   ASSERT_TRUE(
       WaitUntil(seconds(5), [&] { return ReadText(stat).find(") T ") != std::string::npos; }));
   ASSERT_TRUE(socket.SendError(CAN_ERR_BUSOFF));
-  EXPECT_TRUE(it().Run(seconds(5), [] { return !it().bus().up()[0]; }));
-  EXPECT_EQ(it().bus().error_frames()[0], 1U);
-  ASSERT_TRUE(it().RunUntil(msg::ROBOT_FAULT)) << it().bridge().error();
+  EXPECT_TRUE(it().Run(seconds(5), [] { return !it().bus().up[0]; }));
+  EXPECT_EQ(it().bus().error_frames[0], 1U);
+  ASSERT_TRUE(it().RunUntil(msg::RobotState::kFault)) << it().bridge().error();
   it().Quiet();
   EXPECT_TRUE(it().bridge().WaitForText("bus '" + Interface() + "' is bus-off", seconds(5)))
       << it().bridge().error();
   ASSERT_TRUE(it().RunCycles(kQuietCycles));
-  EXPECT_FALSE(it().bus().up()[0]);
+  EXPECT_FALSE(it().bus().up[0]);
   ASSERT_TRUE(socket.SendError(CAN_ERR_RESTARTED));
-  EXPECT_TRUE(it().Run(seconds(5), [] { return it().bus().up()[0]; }));
-  EXPECT_EQ(it().bus().error_frames()[0], 2U);
+  EXPECT_TRUE(it().Run(seconds(5), [] { return it().bus().up[0]; }));
+  EXPECT_EQ(it().bus().error_frames[0], 2U);
   it().axes().Signal(SIGCONT);
   ExpectRestUntilResetAndArmed();
 }
 
 TEST_F(CanSystem, EndsWithTheCountsThatTheLogMustShow) {
   ExpectArmed();
-  ASSERT_TRUE(it().Ask(msg::OPERATOR_DISARM, msg::ROBOT_DISARMED)) << it().bridge().error();
+  ASSERT_TRUE(it().Ask(msg::OperatorAction::kDisarm, msg::RobotState::kDisarmed))
+      << it().bridge().error();
   it().Quiet();
   // First the axes, then the bridge: it has read everything when it ends.
   it().axes().Signal(SIGTERM);
@@ -487,16 +490,16 @@ TEST_F(CanSystem, EndsWithTheCountsThatTheLogMustShow) {
       << said;
   EXPECT_EQ(errors, 2U);
   // bus_status reported the same, except for the frames of the last cycles.
-  EXPECT_LE(last.frames_sent()[0], sent);
-  EXPECT_GE(last.frames_sent()[0] + 20 * 3 * kJoints, sent);
-  EXPECT_LE(last.frames_received()[0], received);
-  EXPECT_GE(last.frames_received()[0] + 200, received);
-  EXPECT_LE(last.frames_dropped()[0], dropped);
+  EXPECT_LE(last.frames_sent[0], sent);
+  EXPECT_GE(last.frames_sent[0] + 20 * 3 * kJoints, sent);
+  EXPECT_LE(last.frames_received[0], received);
+  EXPECT_GE(last.frames_received[0] + 200, received);
+  EXPECT_LE(last.frames_dropped[0], dropped);
   it().Mark("bridge_sent", std::to_string(sent));
   it().Mark("bridge_received", std::to_string(received));
   it().Mark("armed_cycles", std::to_string(kCycles));
   std::printf("%llu cycles in all; the bridge sent %llu frames and received %llu\n",
-              static_cast<unsigned long long>(it().state().header().tick()), sent, received);
+              static_cast<unsigned long long>(it().state().header.tick), sent, received);
 }
 
 }  // namespace

@@ -61,7 +61,7 @@ double Median(std::vector<double> values) {
 template <class Message>
 std::map<std::uint64_t, Message> ByTick(const std::vector<Message>& messages) {
   std::map<std::uint64_t, Message> by_tick;
-  for (const Message& message : messages) by_tick[message.header().tick()] = message;
+  for (const Message& message : messages) by_tick[message.header.tick] = message;
   return by_tick;
 }
 
@@ -89,36 +89,34 @@ TEST_P(BipedCanSquat, ReportsWhatTheWorldBehindTheAxesHas) {
   const auto recording = PayloadsByTopic(file);
   const auto states = MessagesOf<msg::JointState>(recording, "joint_state");
   ASSERT_FALSE(states.empty());
-  EXPECT_EQ(states.back().joint_count(), 12);
-  EXPECT_EQ(states.back().robot_state(), msg::ROBOT_ARMED) << run.output << run.error;
+  EXPECT_EQ(states.back().joint_count, 12);
+  EXPECT_EQ(states.back().robot_state, msg::RobotState::kArmed) << run.output << run.error;
   const auto commands = MessagesOf<msg::JointCommand>(recording, "joint_command");
   ASSERT_FALSE(commands.empty());
-  EXPECT_EQ(commands.back().mode()[0], GetParam().mode);
+  EXPECT_EQ(commands.back().mode[0], GetParam().mode);
   const auto truth = ByTick(MessagesOf<msg::SimBodyTruth>(recording, "sim_body_truth"));
   ASSERT_GT(truth.size(), states.size() / 2) << "one for each joint_state that was received";
-  const double sunk_m =
-      truth.begin()->second.position_m()[2] - truth.rbegin()->second.position_m()[2];
+  const double sunk_m = truth.begin()->second.position_m[2] - truth.rbegin()->second.position_m[2];
 
   std::vector<double> foot_N, weight_N, turned_rad, force_m_s2;
   for (const auto& feet : MessagesOf<msg::FootForce>(recording, "foot_force")) {
-    const auto of_tick = truth.find(feet.header().tick());
-    if (feet.header().tick() < kSquats || of_tick == truth.end() || !feet.valid()[0] ||
-        !feet.valid()[4])
+    const auto of_tick = truth.find(feet.header.tick);
+    if (feet.header.tick < kSquats || of_tick == truth.end() || !feet.valid[0] || !feet.valid[4])
       continue;
-    EXPECT_EQ(feet.header().session_id(), of_tick->second.header().session_id());
+    EXPECT_EQ(feet.header.session_id, of_tick->second.header.session_id);
     for (std::size_t i = 0; i < 8; ++i) {
-      foot_N.push_back(std::abs(feet.force_N()[i] - of_tick->second.contact_force_N()[3 * i + 2]));
+      foot_N.push_back(std::abs(feet.force_N[i] - of_tick->second.contact_force_N[3 * i + 2]));
     }
-    weight_N.push_back(std::accumulate(feet.force_N().begin(), feet.force_N().end(), 0.0));
+    weight_N.push_back(std::accumulate(feet.force_N.begin(), feet.force_N.end(), 0.0));
   }
   for (const auto& imu : MessagesOf<msg::Imu>(recording, "imu")) {
-    const auto of_tick = truth.find(imu.header().tick());
-    if (imu.header().tick() < kSquats || of_tick == truth.end() || !imu.valid()) continue;
-    const auto& q = of_tick->second.orientation_wxyz();
-    const auto& measured = imu.orientation_wxyz();
+    const auto of_tick = truth.find(imu.header.tick);
+    if (imu.header.tick < kSquats || of_tick == truth.end() || !imu.valid) continue;
+    const auto& q = of_tick->second.orientation_wxyz;
+    const auto& measured = imu.orientation_wxyz;
     const double dot = std::inner_product(q.begin(), q.end(), measured.begin(), 0.0);
     turned_rad.push_back(2.0 * std::acos(std::min(1.0, std::abs(dot))));
-    const auto& a = imu.acceleration_m_s2();
+    const auto& a = imu.acceleration_m_s2;
     force_m_s2.push_back(std::sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2]));
   }
   std::printf(
@@ -136,11 +134,12 @@ TEST_P(BipedCanSquat, ReportsWhatTheWorldBehindTheAxesHas) {
   EXPECT_NE((run.output + run.error).find(" dropped, 0 error frames"), std::string::npos);
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    Deployments, BipedCanSquat,
-    ::testing::Values(Mode{"Position", "deploy_biped_can.yaml", 188, msg::COMMAND_POSITION},
-                      Mode{"Torque", "deploy_biped_can_torque.yaml", 191, msg::COMMAND_TORQUE}),
-    [](const auto& tested) { return std::string(tested.param.name); });
+INSTANTIATE_TEST_SUITE_P(Deployments, BipedCanSquat,
+                         ::testing::Values(Mode{"Position", "deploy_biped_can.yaml", 188,
+                                                msg::CommandMode::kPosition},
+                                           Mode{"Torque", "deploy_biped_can_torque.yaml", 191,
+                                                msg::CommandMode::kTorque}),
+                         [](const auto& tested) { return std::string(tested.param.name); });
 
 // The node of the IMU sends nothing any more, 6 s after the start of the axes: the robot is armed
 // about a second after that start, and squats. Without motors it collapses.
@@ -161,13 +160,13 @@ TEST(BipedCanSystem, AnImuThatFallsSilentIsReportedAndTheMotorsAreOff) {
   EXPECT_NE(text.find("fall detector: upright"), std::string::npos) << text;
   EXPECT_NE(text.find("fault: fall: not known, lost: imu"), std::string::npos) << text;
   const auto recording = PayloadsByTopic(file);
-  EXPECT_EQ(MessagesOf<msg::JointState>(recording, "joint_state").back().robot_state(),
-            msg::ROBOT_FAULT);
-  EXPECT_FALSE(MessagesOf<msg::Imu>(recording, "imu").back().valid());
+  EXPECT_EQ(MessagesOf<msg::JointState>(recording, "joint_state").back().robot_state,
+            msg::RobotState::kFault);
+  EXPECT_FALSE(MessagesOf<msg::Imu>(recording, "imu").back().valid);
   const auto feet = MessagesOf<msg::FootForce>(recording, "foot_force");
-  EXPECT_TRUE(feet.back().valid()[0] && feet.back().valid()[4]) << "the others go on";
+  EXPECT_TRUE(feet.back().valid[0] && feet.back().valid[4]) << "the others go on";
   const auto truth = MessagesOf<msg::SimBodyTruth>(recording, "sim_body_truth");
-  EXPECT_LT(truth.back().position_m()[2], 0.6 * truth.front().position_m()[2]);
+  EXPECT_LT(truth.back().position_m[2], 0.6 * truth.front().position_m[2]);
 }
 
 // A payload that comes by topic, as sinew-body-disturbance sends it; and is gone 0.1 s after its
@@ -191,17 +190,17 @@ TEST(BipedCanSystem, APayloadIsPutOnThroughTheAxesAndTheFeetWeighIt) {
       const auto state = states.WaitNext(200ms);
       if (!state) continue;
       if (const auto forces = feet.TakeLatest()) {
-        const auto& f = forces->force_N();
+        const auto& f = forces->force_N;
         weight_N += (std::accumulate(f.begin(), f.end(), 0.0) - weight_N) / 120.0;
       }
       if (payload_kg > 0.0) {
         msg::SimBodyDisturbance load;
-        load.header(state->header());
-        load.payload_link("pelvis");
-        load.payload_kg(payload_kg);
+        load.header = state->header;
+        load.payload_link = "pelvis";
+        load.payload_kg = payload_kg;
         (void)loads.Write(load);
       }
-      if (done(state->header().tick())) return true;
+      if (done(state->header.tick)) return true;
     }
     return false;
   };

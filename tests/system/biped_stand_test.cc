@@ -71,7 +71,7 @@ double MeanSquareError_rad2(const StandRun& run) {
   double sum = 0.0;
   for (std::size_t t = kFirstTop; t < run.states.size(); ++t) {
     for (std::size_t j = 0; j < kBipedJoints; ++j) {
-      sum += std::pow(run.references[t].position_rad()[j] - run.states[t].position_rad()[j], 2);
+      sum += std::pow(run.references[t].position_rad[j] - run.states[t].position_rad[j], 2);
     }
   }
   return sum / static_cast<double>(kBipedJoints * (run.states.size() - kFirstTop));
@@ -82,14 +82,14 @@ void ExpectTwelveJointsInEveryTick(const StandRun& run) {
   ASSERT_EQ(run.references.size(), kSquatTicks);
   ASSERT_EQ(run.commands.size(), kSquatTicks);
   for (std::size_t t = 0; t < kSquatTicks; ++t) {
-    ASSERT_EQ(run.states[t].joint_count(), kBipedJoints);
-    ASSERT_EQ(run.references[t].joint_count(), kBipedJoints);
-    ASSERT_EQ(run.references[t].header().tick(), run.states[t].header().tick());
-    ASSERT_FALSE(run.references[t].stale());
-    ASSERT_FALSE(run.references[t].idle()) << t;
-    ASSERT_EQ(run.commands[t].joint_count(), kBipedJoints);
-    ASSERT_EQ(run.commands[t].reference_tick(), run.states[t].header().tick());
-    ASSERT_FALSE(run.commands[t].stale()) << t;
+    ASSERT_EQ(run.states[t].joint_count, kBipedJoints);
+    ASSERT_EQ(run.references[t].joint_count, kBipedJoints);
+    ASSERT_EQ(run.references[t].header.tick, run.states[t].header.tick);
+    ASSERT_FALSE(run.references[t].stale);
+    ASSERT_FALSE(run.references[t].idle) << t;
+    ASSERT_EQ(run.commands[t].joint_count, kBipedJoints);
+    ASSERT_EQ(run.commands[t].reference_tick, run.states[t].header.tick);
+    ASSERT_FALSE(run.commands[t].stale) << t;
   }
 }
 
@@ -100,24 +100,23 @@ void ExpectPerformance(const StandRun& run) {
   double sum_rad2 = 0.0;
   for (std::size_t t = 0; t < kSquatTicks; ++t) {
     sum_rad2 += std::pow(
-        run.references[t].position_rad()[kLeftKnee] - run.states[t].position_rad()[kLeftKnee], 2);
+        run.references[t].position_rad[kLeftKnee] - run.states[t].position_rad[kLeftKnee], 2);
   }
   const double expected_rad2 = sum_rad2 / static_cast<double>(kSquatTicks);
-  EXPECT_NEAR(last.mean_square_error_rad2()[kLeftKnee], expected_rad2, 1e-12 * expected_rad2);
+  EXPECT_NEAR(last.mean_square_error_rad2[kLeftKnee], expected_rad2, 1e-12 * expected_rad2);
   const nlohmann::json& robot = run.offline.at("robot");
-  EXPECT_EQ(robot.at("mean_square_error_rad2"), last.robot_mean_square_error_rad2());
-  EXPECT_EQ(robot.at("positive_work_J"), last.robot_positive_work_J());
-  EXPECT_EQ(robot.at("net_work_J"), last.robot_net_work_J());
-  EXPECT_EQ(robot.at("electrical_J"), last.robot_electrical_J());
-  EXPECT_EQ(robot.at("lifting_work_J"), last.lifting_work_J());
+  EXPECT_EQ(robot.at("mean_square_error_rad2"), last.robot_mean_square_error_rad2);
+  EXPECT_EQ(robot.at("positive_work_J"), last.robot_positive_work_J);
+  EXPECT_EQ(robot.at("net_work_J"), last.robot_net_work_J);
+  EXPECT_EQ(robot.at("electrical_J"), last.robot_electrical_J);
+  EXPECT_EQ(robot.at("lifting_work_J"), last.lifting_work_J);
   EXPECT_EQ(run.offline.at("joints").at(kLeftKnee).at("sliding_rms_rad"),
-            last.sliding_rms_rad()[kLeftKnee]);
-  EXPECT_GT(last.lifting_work_J(), 1.0);  // the legs alone
+            last.sliding_rms_rad[kLeftKnee]);
+  EXPECT_GT(last.lifting_work_J, 1.0);  // the legs alone
   std::printf(
       "MSE %.3g rad2; |work| %.1f, work+ %.1f, net %.1f, electrical %.1f, at least %.1f J\n",
-      last.robot_mean_square_error_rad2(), last.robot_absolute_work_J(),
-      last.robot_positive_work_J(), last.robot_net_work_J(), last.robot_electrical_J(),
-      last.lifting_work_J());
+      last.robot_mean_square_error_rad2, last.robot_absolute_work_J, last.robot_positive_work_J,
+      last.robot_net_work_J, last.robot_electrical_J, last.lifting_work_J);
 }
 
 TEST(BipedStand, SquatsWithTheReferenceOfTwelveJoints) {
@@ -127,21 +126,21 @@ TEST(BipedStand, SquatsWithTheReferenceOfTwelveJoints) {
   // The joints stand where the squats begin: the soft start moves nothing.
   for (std::size_t t = 0; t <= kFirstTop; ++t) {
     for (const std::size_t knee : {kLeftKnee, kRightKnee}) {
-      ASSERT_NEAR(run.references[t].position_rad()[knee], kTopKnee_rad, kSink_rad) << t;
+      ASSERT_NEAR(run.references[t].position_rad[knee], kTopKnee_rad, kSink_rad) << t;
     }
   }
   // Down and up again, both legs alike, at rest at the bottom.
   for (const std::size_t bottom : {kFirstBottom, kFirstBottom + 1200}) {
     const msg::Reference& reference = run.references[bottom];
-    EXPECT_NEAR(reference.position_rad()[kLeftKnee], kBottomKnee_rad, 1e-6);
-    EXPECT_NEAR(reference.velocity_rad_s()[kLeftKnee], 0.0, 1e-6);
+    EXPECT_NEAR(reference.position_rad[kLeftKnee], kBottomKnee_rad, 1e-6);
+    EXPECT_NEAR(reference.velocity_rad_s[kLeftKnee], 0.0, 1e-6);
     for (std::size_t j = 0; j < kBipedJoints; ++j) {
-      EXPECT_EQ(reference.position_rad()[j], reference.position_rad()[(j + 6) % kBipedJoints]);
+      EXPECT_EQ(reference.position_rad[j], reference.position_rad[(j + 6) % kBipedJoints]);
     }
   }
-  EXPECT_NEAR(run.references.back().position_rad()[kLeftKnee], kTopKnee_rad, 1e-6);
+  EXPECT_NEAR(run.references.back().position_rad[kLeftKnee], kTopKnee_rad, 1e-6);
   for (std::size_t j = 0; j < kBipedJoints; ++j) {
-    EXPECT_NEAR(run.states.back().position_rad()[j], run.references.back().position_rad()[j], 0.01);
+    EXPECT_NEAR(run.states.back().position_rad[j], run.references.back().position_rad[j], 0.01);
   }
   EXPECT_LT(MeanSquareError_rad2(run), 1e-4);
   ExpectPerformance(run);
@@ -153,16 +152,15 @@ TEST(BipedStand, FollowsWithThePublishedGains) {
   if (HasFatalFailure()) return;
   for (const msg::JointCommand& command : run.commands) {
     for (std::size_t j = 0; j < kBipedJoints; ++j) {
-      ASSERT_EQ(command.mode()[j], msg::COMMAND_TORQUE);
+      ASSERT_EQ(command.mode[j], msg::CommandMode::kTorque);
     }
   }
   EXPECT_LT(MeanSquareError_rad2(run), 0.02);
   ExpectPerformance(run);
   // Torques are held over a cycle, so that their samples are their means: friction takes net work,
   // and the legs are lifted.
-  EXPECT_GT(run.performance.back().robot_net_work_J(), 0.0);
-  EXPECT_GT(run.performance.back().robot_positive_work_J(),
-            run.performance.back().lifting_work_J());
+  EXPECT_GT(run.performance.back().robot_net_work_J, 0.0);
+  EXPECT_GT(run.performance.back().robot_positive_work_J, run.performance.back().lifting_work_J);
 }
 
 TEST(BipedStand, MovesWithSeaPeaActuatorsInKneesAndAnkles) {
@@ -172,7 +170,7 @@ TEST(BipedStand, MovesWithSeaPeaActuatorsInKneesAndAnkles) {
   ExpectTwelveJointsInEveryTick(run);
   if (HasFatalFailure()) return;
   // Motor and link differ by at most half of the play; the drives' loops are on the motor.
-  EXPECT_NEAR(run.states[kFirstBottom].position_rad()[kLeftKnee], kBottomKnee_rad, 0.06);
+  EXPECT_NEAR(run.states[kFirstBottom].position_rad[kLeftKnee], kBottomKnee_rad, 0.06);
   EXPECT_LT(MeanSquareError_rad2(run), 1e-3);
 }
 

@@ -43,7 +43,7 @@ TEST(Compose, OneProcessDrivesTheRigWithTheSameTopics) {
   const auto recording = PayloadsByTopic(file);
   std::map<std::string, std::uint32_t> process;
   for (const auto& status : MessagesOf<msg::ComponentStatus>(recording, "component_status")) {
-    process[status.name().to_string()] = status.process_id();
+    process[status.name] = status.process_id;
   }
   for (const char* name : {"pneumatics", "regime", "reference", "esn", "rls", "control"}) {
     EXPECT_EQ(process[name], process["surrogate"]) << name;
@@ -52,20 +52,20 @@ TEST(Compose, OneProcessDrivesTheRigWithTheSameTopics) {
 
   std::map<std::uint64_t, msg::JointState> states;
   for (const auto& state : MessagesOf<msg::JointState>(recording, "joint_state")) {
-    states[state.header().tick()] = state;
+    states[state.header.tick] = state;
   }
   // Each command answers its tick, with the reference and the prediction of that tick.
   std::size_t good = 0;
   double largest_error_rad = 0.0;
   const auto commands = MessagesOf<msg::JointCommand>(recording, "joint_command");
   for (const auto& command : commands) {
-    const std::uint64_t tick = command.header().tick();
+    const std::uint64_t tick = command.header.tick;
     if (tick < 3 * 240 || !states.contains(tick)) continue;
-    EXPECT_EQ(command.reference_tick(), tick);
-    EXPECT_EQ(command.prediction_tick(), tick);
-    EXPECT_FALSE(command.stale()) << "tick " << tick;
-    largest_error_rad = std::max(
-        largest_error_rad, std::abs(command.position_rad()[0] - states[tick].position_rad()[0]));
+    EXPECT_EQ(command.reference_tick, tick);
+    EXPECT_EQ(command.prediction_tick, tick);
+    EXPECT_FALSE(command.stale) << "tick " << tick;
+    largest_error_rad = std::max(largest_error_rad,
+                                 std::abs(command.position_rad[0] - states[tick].position_rad[0]));
     ++good;
   }
   EXPECT_GT(good, 2 * 240u);
@@ -85,7 +85,7 @@ class SourceWatch {
     const auto deadline = std::chrono::steady_clock::now() + 20s;
     while (std::chrono::steady_clock::now() < deadline) {
       while (const auto source = reader_.TakeNext()) {
-        if (source->joint_command_participant().to_string() == participant) return true;
+        if (source->joint_command_participant == participant) return true;
       }
       node_.WaitForData(20ms);
     }

@@ -37,7 +37,7 @@ struct FallSession {
   // First tick whose state is a fault.
   std::optional<std::size_t> fault() const {
     const auto found = std::find_if(states.begin(), states.end(), [](const auto& state) {
-      return state.robot_state() == msg::ROBOT_FAULT;
+      return state.robot_state == msg::RobotState::kFault;
     });
     if (found == states.end()) return std::nullopt;
     return static_cast<std::size_t>(found - states.begin());
@@ -45,7 +45,7 @@ struct FallSession {
   // First tick in which the truth has the base tilted by more than 30 degrees.
   std::optional<std::size_t> tilted() const {
     const auto found = std::find_if(truth.begin(), truth.end(), [](const auto& body) {
-      const auto& q = body.orientation_wxyz();
+      const auto& q = body.orientation_wxyz;
       return 1.0 - 2.0 * (q[1] * q[1] + q[2] * q[2]) < std::cos(30.0 * types::kDegree_rad);
     });
     if (found == truth.end()) return std::nullopt;
@@ -89,8 +89,8 @@ void ExpectFoundAndMotorsOff(const FallSession& session) {
   EXPECT_THAT(session.log, HasSubstr("fault: fall: "));
   ASSERT_EQ(session.actuators.size(), session.states.size());
   for (std::size_t k = *fault + 1; k < session.states.size(); ++k) {
-    ASSERT_EQ(session.states[k].robot_state(), msg::ROBOT_FAULT) << k;
-    for (const double current_A : session.actuators[k].motor_current_A()) {
+    ASSERT_EQ(session.states[k].robot_state, msg::RobotState::kFault) << k;
+    for (const double current_A : session.actuators[k].motor_current_A) {
       ASSERT_EQ(current_A, 0.0) << k;
     }
   }

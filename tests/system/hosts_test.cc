@@ -107,21 +107,21 @@ class Robot {
       const auto state = states_->WaitNext(100ms);
       HearSources();
       if (!state) continue;
-      seen_.insert(state->robot_state());
+      seen_.insert(state->robot_state);
       if (condition(*state)) return true;
     }
     return false;
   }
   bool WaitFor(msg::RobotState wanted, std::chrono::seconds limit = kEnough) {
-    return WaitFor([wanted](const auto& state) { return state.robot_state() == wanted; }, limit);
+    return WaitFor([wanted](const auto& state) { return state.robot_state == wanted; }, limit);
   }
   // The robot's states in so many ticks.
   std::set<msg::RobotState> StatesOf(std::uint64_t ticks) {
     seen_.clear();
     std::uint64_t first = 0;
     EXPECT_TRUE(WaitFor([&](const msg::JointState& state) {
-      if (first == 0) first = state.header().tick();
-      return state.header().tick() >= first + ticks;
+      if (first == 0) first = state.header.tick;
+      return state.header.tick >= first + ticks;
     }));
     return std::exchange(seen_, {});
   }
@@ -136,7 +136,8 @@ class Robot {
     const Finished armed = Ask(host, {"arm"});
     ASSERT_EQ(armed.exit_code, 0) << armed.error;
     ASSERT_TRUE(WaitFor([](const msg::JointState& state) {
-      return state.robot_state() == msg::ROBOT_ARMED && std::abs(state.velocity_rad_s()[0]) > 0.1;
+      return state.robot_state == msg::RobotState::kArmed &&
+             std::abs(state.velocity_rad_s[0]) > 0.1;
     })) << "it does not move";
   }
   // Whose commands the robot has obeyed, in turn.
@@ -152,7 +153,7 @@ class Robot {
 
   void HearSources() {
     while (const auto source = sources_->TakeNext()) {
-      const std::string name = source->joint_command_participant().to_string();
+      const std::string name = source->joint_command_participant;
       if (!name.empty() && (obeyed_.empty() || obeyed_.back() != name)) obeyed_.push_back(name);
     }
   }
@@ -218,7 +219,7 @@ TEST(Hosts, OneFileOverTwoHostsLossesACutAndAnEstopFromTheOther) {
   Robot robot(2, Rig(GuardOf200ms(folder)));
   SKIP_WITHOUT_KERNEL(robot.why_not().empty(), robot.why_not());
   const auto here = robot.Launch(0), there = robot.Launch(1);
-  ASSERT_TRUE(robot.WaitFor(msg::ROBOT_DISARMED)) << here->output() << here->error();
+  ASSERT_TRUE(robot.WaitFor(msg::RobotState::kDisarmed)) << here->output() << here->error();
   ASSERT_NO_FATAL_FAILURE(robot.Arm(1)) << here->error() << there->error();
 
   robot.cable().Set({.lost = 0.1});
@@ -233,7 +234,7 @@ TEST(Hosts, OneFileOverTwoHostsLossesACutAndAnEstopFromTheOther) {
            std::chrono::steady_clock::now() < end);
   EXPECT_THAT(doctor.output, HasSubstr(counted));
   EXPECT_THAT(doctor.output, HasSubstr("losses"));
-  EXPECT_FALSE(robot.StatesOf(240).contains(msg::ROBOT_FAULT)) << "in 10 % loss";
+  EXPECT_FALSE(robot.StatesOf(240).contains(msg::RobotState::kFault)) << "in 10 % loss";
   EXPECT_NEAR(static_cast<double>(robot.cable().lost() - lost) /
                   static_cast<double>(robot.cable().sent() - sent),
               0.1, 0.03);
@@ -243,8 +244,8 @@ TEST(Hosts, OneFileOverTwoHostsLossesACutAndAnEstopFromTheOther) {
   EXPECT_THAT(list.output, AllOf(HasSubstr("missed"), HasSubstr("surrogate    host0"),
                                  HasSubstr("control      host1")));
   robot.cable().Cut(1, 300ms);
-  ASSERT_TRUE(robot.WaitFor(msg::ROBOT_DAMPED, 2s));
-  ASSERT_TRUE(robot.WaitFor(msg::ROBOT_FAULT, 2s)) << "as the guard declares";
+  ASSERT_TRUE(robot.WaitFor(msg::RobotState::kDamped, 2s));
+  ASSERT_TRUE(robot.WaitFor(msg::RobotState::kFault, 2s)) << "as the guard declares";
   const Finished reset = robot.Ask(1, {"reset"});
   ASSERT_EQ(reset.exit_code, 0) << reset.error;
   ASSERT_NO_FATAL_FAILURE(robot.Arm(1)) << here->error() << there->error();
@@ -252,7 +253,7 @@ TEST(Hosts, OneFileOverTwoHostsLossesACutAndAnEstopFromTheOther) {
   robot.cable().Set({.lost = 0.1});
   const Finished estop = robot.Ask(1, {"estop"});
   EXPECT_EQ(estop.exit_code, 0) << estop.error;
-  EXPECT_TRUE(robot.WaitFor(msg::ROBOT_ESTOPPED, 1s));
+  EXPECT_TRUE(robot.WaitFor(msg::RobotState::kEstopped, 1s));
   EXPECT_THAT(robot.sources(), ::testing::ElementsAre("control"));
   robot.cable().Set({});
   ExpectOrderlyEnd(there.get());
@@ -275,7 +276,7 @@ TEST(Hosts, ADatagramGoesToAnotherHostAsOftenAsAskedAndIsReadOnce) {
     msg::JointState state;
     const auto end = std::chrono::steady_clock::now() + kEnough;
     while (echo.Wait(3ms) == Program::kTimeout && std::chrono::steady_clock::now() < end) {
-      state.header().tick(state.header().tick() + 1);
+      state.header.tick = state.header.tick + 1;
       (void)writer.Write(state);
     }
     EXPECT_EQ(echo.Wait(0ms), 0) << echo.error();
@@ -305,23 +306,23 @@ Tracking TrackingOf(const std::string& file, std::size_t joints) {
   const auto recording = PayloadsByTopic(file);
   std::map<std::uint64_t, msg::Reference> references;
   for (const auto& reference : MessagesOf<msg::Reference>(recording, "reference")) {
-    references[reference.header().tick()] = reference;
+    references[reference.header.tick] = reference;
   }
   std::map<std::uint64_t, bool> commands;  // stale
   for (const auto& command : MessagesOf<msg::JointCommand>(recording, "joint_command")) {
-    commands[command.header().tick()] = command.stale();
+    commands[command.header.tick] = command.stale;
   }
   double ticks = 0.0, squares = 0.0;
   Tracking out;
   for (const auto& state : MessagesOf<msg::JointState>(recording, "joint_state")) {
-    const auto at = references.find(state.header().tick());
-    if (at == references.end() || at->second.idle()) continue;
+    const auto at = references.find(state.header.tick);
+    if (at == references.end() || at->second.idle) continue;
     for (std::size_t joint = 0; joint < joints; ++joint) {
-      squares += std::pow(at->second.position_rad()[joint] - state.position_rad()[joint], 2);
+      squares += std::pow(at->second.position_rad[joint] - state.position_rad[joint], 2);
     }
     ++ticks;
-    if (state.robot_state() == msg::ROBOT_DAMPED) ++out.damped;
-    const auto command = commands.find(state.header().tick());
+    if (state.robot_state == msg::RobotState::kDamped) ++out.damped;
+    const auto command = commands.find(state.header.tick);
     if (command == commands.end()) continue;
     ++out.answered;
     if (command->second) ++out.stale;
@@ -355,7 +356,7 @@ Motion Move(const CableQuality& quality, bool whole = false, const std::string& 
   const auto here = robot.Launch(0, {"--record", file});
   const auto there =
       robot.Launch(1, {}, clock.empty() ? std::vector<std::string>() : WithClock(clock));
-  EXPECT_TRUE(robot.WaitFor(msg::ROBOT_DISARMED)) << here->error();
+  EXPECT_TRUE(robot.WaitFor(msg::RobotState::kDisarmed)) << here->error();
   EXPECT_NO_FATAL_FAILURE(robot.Arm(1));
   robot.cable().Set(quality);
   const Witness witness;
@@ -411,7 +412,7 @@ TEST_F(HostsByNight, LossesDisorderRepeatsAndDelaysLeaveTheTracking) {
     const Motion run = Move(one.quality);
     Print(one.name, run, base);
     EXPECT_LE(run.tracking.rmse_rad, one.most * base.tracking.rmse_rad) << one.name;
-    EXPECT_FALSE(run.states.contains(msg::ROBOT_FAULT)) << one.name;
+    EXPECT_FALSE(run.states.contains(msg::RobotState::kFault)) << one.name;
     EXPECT_THAT(run.sources, ::testing::ElementsAre("control")) << one.name;
   }
 }
@@ -424,7 +425,7 @@ TEST_F(HostsByNight, TheWholeRigMovesWithItsNetworksOnTheOtherHost) {
   for (const double lost : {0.02, 0.1}) {
     const Motion run = Move({.lost = lost}, true);
     Print("whole rig", run, base);
-    EXPECT_FALSE(run.states.contains(msg::ROBOT_FAULT)) << lost;
+    EXPECT_FALSE(run.states.contains(msg::RobotState::kFault)) << lost;
     EXPECT_THAT(run.sources, ::testing::ElementsAre("control")) << lost;
   }
 }
@@ -435,7 +436,7 @@ TEST_F(HostsByNight, ClocksAnHourApartChangeNothing) {
   for (const char* shift : {"+3600", "-3600"}) {
     const Motion run = Move({.lost = 0.02}, false, shift);
     Print(shift, run, base);
-    EXPECT_FALSE(run.states.contains(msg::ROBOT_FAULT)) << shift;
+    EXPECT_FALSE(run.states.contains(msg::RobotState::kFault)) << shift;
     EXPECT_THAT(run.sources, ::testing::ElementsAre("control")) << shift;
     EXPECT_LE(run.tracking.rmse_rad, 1.1 * base.tracking.rmse_rad) << shift;
   }
@@ -446,17 +447,17 @@ TEST_F(HostsByNight, AnEstopFromTheOtherHostComesInASecondAtTenPercentLoss) {
   const TemporaryFolder folder;
   Robot robot(2, Rig(GuardOf200ms(folder)));
   const auto here = robot.Launch(0), there = robot.Launch(1);
-  ASSERT_TRUE(robot.WaitFor(msg::ROBOT_DISARMED)) << here->error();
+  ASSERT_TRUE(robot.WaitFor(msg::RobotState::kDisarmed)) << here->error();
   ASSERT_NO_FATAL_FAILURE(robot.Arm(1));
   robot.cable().Set({.lost = 0.1});
   const auto resident = NodeOn(robot.hosts().pid(1), "resident");
   auto commands = resident->MakeWriter(node::kOperatorCommand);
   msg::OperatorCommand estop;
-  estop.action(msg::OPERATOR_ESTOP);
+  estop.action = msg::OperatorAction::kEstop;
   // Discovery is not part of the figure: from here on the surrogate has heard the writer.
   ASSERT_TRUE(robot.WaitFor([&](const msg::JointState& state) {
     (void)commands.Write(estop);
-    return state.robot_state() == msg::ROBOT_ESTOPPED;
+    return state.robot_state == msg::RobotState::kEstopped;
   }));
   std::vector<double> resident_ms, command_ms;
   const auto since = [](std::chrono::steady_clock::time_point begin) {
@@ -465,10 +466,10 @@ TEST_F(HostsByNight, AnEstopFromTheOtherHostComesInASecondAtTenPercentLoss) {
   };
   const auto reset = [&] {
     ASSERT_TRUE(robot.WaitFor([&](const msg::JointState& state) {
-      if (state.robot_state() == msg::ROBOT_DISARMED) return true;
+      if (state.robot_state == msg::RobotState::kDisarmed) return true;
       msg::OperatorCommand command;
-      command.header(state.header());
-      command.action(msg::OPERATOR_RESET);
+      command.header = state.header;
+      command.action = msg::OperatorAction::kReset;
       (void)commands.Write(command);
       return false;
     }));
@@ -477,7 +478,7 @@ TEST_F(HostsByNight, AnEstopFromTheOtherHostComesInASecondAtTenPercentLoss) {
   for (int round = 0; round < 300; ++round) {
     const auto begin = std::chrono::steady_clock::now();
     (void)commands.Write(estop);
-    ASSERT_TRUE(robot.WaitFor(msg::ROBOT_ESTOPPED)) << round << here->error();
+    ASSERT_TRUE(robot.WaitFor(msg::RobotState::kEstopped)) << round << here->error();
     resident_ms.push_back(since(begin));
     ASSERT_NO_FATAL_FAILURE(reset());
   }
@@ -485,7 +486,7 @@ TEST_F(HostsByNight, AnEstopFromTheOtherHostComesInASecondAtTenPercentLoss) {
     const auto begin = std::chrono::steady_clock::now();
     Program command(robot.hosts().On(1, {kSinew, "estop", "--domain", std::to_string(kDomain),
                                          "--interface", "wire0", "--timeout", "20"}));
-    ASSERT_TRUE(robot.WaitFor(msg::ROBOT_ESTOPPED)) << round;
+    ASSERT_TRUE(robot.WaitFor(msg::RobotState::kEstopped)) << round;
     command_ms.push_back(since(begin));
     EXPECT_EQ(command.Wait(kEnough), 0) << command.error();
     ASSERT_NO_FATAL_FAILURE(reset());
@@ -503,12 +504,12 @@ TEST_F(HostsByNight, AfterCutsAndAHostThatVanishedResetAndArmSuffice) {
   Robot robot(2, Rig());
   const auto here = robot.Launch(0);
   auto there = robot.Launch(1);
-  ASSERT_TRUE(robot.WaitFor(msg::ROBOT_DISARMED)) << here->error();
+  ASSERT_TRUE(robot.WaitFor(msg::RobotState::kDisarmed)) << here->error();
   ASSERT_NO_FATAL_FAILURE(robot.Arm(1));
   // Longer than the 3 s after which participants are forgotten, and much shorter.
   for (const auto duration : {300ms, 5000ms}) {
     robot.cable().Cut(1, duration);
-    ASSERT_TRUE(robot.WaitFor(msg::ROBOT_FAULT, 2s));
+    ASSERT_TRUE(robot.WaitFor(msg::RobotState::kFault, 2s));
     ASSERT_TRUE(robot.WaitForCommand()) << "after " << duration.count() << " ms";
     const Finished reset = robot.Ask(1, {"reset"});
     EXPECT_EQ(reset.exit_code, 0) << reset.error;
@@ -517,7 +518,7 @@ TEST_F(HostsByNight, AfterCutsAndAHostThatVanishedResetAndArmSuffice) {
   // The cable is pulled, and the power.
   robot.cable().Cut(1);
   there->Signal(SIGKILL);
-  ASSERT_TRUE(robot.WaitFor(msg::ROBOT_FAULT, 2s));
+  ASSERT_TRUE(robot.WaitFor(msg::RobotState::kFault, 2s));
   there = nullptr;
   robot.cable().Mend(1);
   there = robot.Launch(1);
@@ -528,17 +529,17 @@ TEST_F(HostsByNight, AfterCutsAndAHostThatVanishedResetAndArmSuffice) {
   robot.cable().Set({.lost = 0.4});
   const std::set<msg::RobotState> states = robot.StatesOf(1200);
   std::printf("40 %% lost for 5 s: damped: %s, fault: %s\n",
-              states.contains(msg::ROBOT_DAMPED) ? "yes" : "no",
-              states.contains(msg::ROBOT_FAULT) ? "yes" : "no");
+              states.contains(msg::RobotState::kDamped) ? "yes" : "no",
+              states.contains(msg::RobotState::kFault) ? "yes" : "no");
   robot.cable().Set({});
-  if (states.contains(msg::ROBOT_FAULT)) {
+  if (states.contains(msg::RobotState::kFault)) {
     EXPECT_EQ(robot.Ask(1, {"reset"}).exit_code, 0);
     ASSERT_NO_FATAL_FAILURE(robot.Arm(1));
   }
   // The robot itself goes and comes back: what runs on the desk serves its new session.
   ExpectOrderlyEnd(here.get());
   const auto again = robot.Launch(0);
-  ASSERT_TRUE(robot.WaitFor(msg::ROBOT_DISARMED));
+  ASSERT_TRUE(robot.WaitFor(msg::RobotState::kDisarmed));
   ASSERT_NO_FATAL_FAILURE(robot.Arm(1)) << there->error();
   ExpectOrderlyEnd(there.get());
   ExpectOrderlyEnd(again.get());
@@ -554,24 +555,24 @@ TEST_F(HostsByNight, AStandbyOnAThirdHostIsObeyedOnlyOnceTheOwnersHostIsLost) {
                   "  - {name: standby, program: sinew-control, host: host2, config: " +
                   kRig + "control_pid.yaml}\n");
   const auto here = robot.Launch(0), there = robot.Launch(1);
-  ASSERT_TRUE(robot.WaitFor(msg::ROBOT_DISARMED)) << here->error();
+  ASSERT_TRUE(robot.WaitFor(msg::RobotState::kDisarmed)) << here->error();
   ASSERT_NO_FATAL_FAILURE(robot.Arm(1));
   robot.cable().Set({.lost = 0.02});
   // By its clock it was started an hour before the owner.
   const auto third = robot.Launch(2, {}, WithClock("-3600"));
-  EXPECT_FALSE(robot.StatesOf(10 * 240).contains(msg::ROBOT_FAULT));
+  EXPECT_FALSE(robot.StatesOf(10 * 240).contains(msg::RobotState::kFault));
   EXPECT_THAT(robot.sources(), ::testing::ElementsAre("control")) << third->error();
   robot.cable().Cut(1);
-  EXPECT_FALSE(robot.StatesOf(3 * 240).contains(msg::ROBOT_FAULT))
+  EXPECT_FALSE(robot.StatesOf(3 * 240).contains(msg::RobotState::kFault))
       << "the standby takes over within 200 ms";
   EXPECT_THAT(robot.sources(), ::testing::ElementsAre("control", "standby"));
   robot.cable().Mend(1);
-  EXPECT_FALSE(robot.StatesOf(5 * 240).contains(msg::ROBOT_FAULT));
+  EXPECT_FALSE(robot.StatesOf(5 * 240).contains(msg::RobotState::kFault));
   EXPECT_THAT(robot.sources(), ::testing::ElementsAre("control", "standby"))
       << "what comes back is below";
   // Five commands in a row, the deadline of an owner, are lost every 20 s: 0.19^5 of 240 Hz.
   robot.cable().Set({.lost = 0.1});
-  EXPECT_FALSE(robot.StatesOf(10 * 240).contains(msg::ROBOT_FAULT));
+  EXPECT_FALSE(robot.StatesOf(10 * 240).contains(msg::RobotState::kFault));
   std::printf("owners in 10 s of 10 %% loss, beside a standby: %zu\n", robot.sources().size() - 1);
   robot.cable().Set({});
   for (Program* launch : {third.get(), there.get(), here.get()}) ExpectOrderlyEnd(launch);
@@ -588,12 +589,12 @@ TEST_F(HostsByNight, ADiscoveryServerThatDiesLeavesTheRobotThatMoves) {
   Program server(robot.hosts().On(
       0, {"fast-discovery-server", "-i", "0", "-l", CabledHosts::Address(0), "-p", "11811"}));
   const auto here = robot.Launch(0), there = robot.Launch(1);
-  EXPECT_TRUE(robot.WaitFor(msg::ROBOT_DISARMED)) << here->error();
+  EXPECT_TRUE(robot.WaitFor(msg::RobotState::kDisarmed)) << here->error();
   EXPECT_NO_FATAL_FAILURE(robot.Arm(1)) << here->error() << there->error();
   server.Signal(SIGKILL);
   const std::set<msg::RobotState> states = robot.StatesOf(5 * 240);  // longer than any lease
-  EXPECT_FALSE(states.contains(msg::ROBOT_FAULT));
-  EXPECT_TRUE(states.contains(msg::ROBOT_ARMED));
+  EXPECT_FALSE(states.contains(msg::RobotState::kFault));
+  EXPECT_TRUE(states.contains(msg::RobotState::kArmed));
   EXPECT_EQ(robot.Ask(1, {"disarm", "--timeout", "3"}).exit_code, 1) << "it is not found";
   ::unsetenv("ROS_DISCOVERY_SERVER");
   ExpectOrderlyEnd(there.get());
@@ -659,12 +660,13 @@ struct Conduct {
 
   void Observe(const msg::JointState& state) {
     ++ticks;
-    const auto now = state.robot_state();
-    if (now < msg::ROBOT_DISARMED || now > msg::ROBOT_ESTOPPED) ++unnamed;
-    if ((now == msg::ROBOT_FAULT) != (state.fault().cause() != msg::FAULT_NONE)) ++unnamed;
-    const bool may = now == msg::ROBOT_ARMED || now == msg::ROBOT_DAMPED;
+    const auto now = state.robot_state;
+    if (now < msg::RobotState::kDisarmed || now > msg::RobotState::kEstopped) ++unnamed;
+    if ((now == msg::RobotState::kFault) != (state.fault.cause != msg::FaultCause::kNone))
+      ++unnamed;
+    const bool may = now == msg::RobotState::kArmed || now == msg::RobotState::kDamped;
     since_it_may_not = may ? 0 : since_it_may_not + 1;
-    if (since_it_may_not > kTicksToIdle && std::abs(state.torque_Nm()[0]) > kOff_Nm) {
+    if (since_it_may_not > kTicksToIdle && std::abs(state.torque_Nm[0]) > kOff_Nm) {
       ++torque_without_leave;
     }
   }
@@ -680,7 +682,7 @@ TEST_F(HostsByNight, RandomKillsStopsCutsAndLossesAlwaysLeaveADefinedState) {
   const TemporaryFolder folder;
   Robot robot(3, Rig(GuardOf200ms(folder)));
   const auto here = robot.Launch(0);
-  ASSERT_TRUE(robot.WaitFor(msg::ROBOT_DISARMED)) << here->error();
+  ASSERT_TRUE(robot.WaitFor(msg::RobotState::kDisarmed)) << here->error();
   std::array<Desk, 2> desks{Desk(&robot, 1), Desk(&robot, 2)};
   ASSERT_NO_FATAL_FAILURE(robot.Arm(1)) << here->error();
   const auto resident = NodeOn(robot.hosts().pid(0), "resident");
@@ -734,7 +736,7 @@ TEST_F(HostsByNight, RandomKillsStopsCutsAndLossesAlwaysLeaveADefinedState) {
         constexpr auto kOnTheirWay = 150ms;
         watch(kOnTheirWay + duration, [&](const msg::JointState& state) {
           const bool none_can_come = std::chrono::steady_clock::now() - begin > kOnTheirWay;
-          if (none_can_come && state.robot_state() == msg::ROBOT_ARMED) ++obeyed_while_cut;
+          if (none_can_come && state.robot_state == msg::RobotState::kArmed) ++obeyed_while_cut;
         });
         for (const Desk& each : desks) robot.cable().Mend(each.host());
       }
@@ -743,20 +745,20 @@ TEST_F(HostsByNight, RandomKillsStopsCutsAndLossesAlwaysLeaveADefinedState) {
     std::optional<msg::RobotState> after;
     ASSERT_TRUE(robot.WaitFor([&](const msg::JointState& state) {
       conduct.Observe(state);
-      if (!after) after = state.robot_state();
-      if (state.robot_state() == msg::ROBOT_ARMED) return true;
+      if (!after) after = state.robot_state;
+      if (state.robot_state == msg::RobotState::kArmed) return true;
       msg::OperatorCommand command;
-      command.header(state.header());
-      command.action(state.robot_state() == msg::ROBOT_FAULT ? msg::OPERATOR_RESET
-                                                             : msg::OPERATOR_ARM);
+      command.header = state.header;
+      command.action = state.robot_state == msg::RobotState::kFault ? msg::OperatorAction::kReset
+                                                                    : msg::OperatorAction::kArm;
       (void)commands.Write(command);
       return false;
     })) << "it cannot be armed again after event "
         << event << "\n"
         << here->error();
-    ++ended_in[*after == msg::ROBOT_FAULT    ? "fault"
-               : *after == msg::ROBOT_DAMPED ? "damped"
-                                             : "armed"];
+    ++ended_in[*after == msg::RobotState::kFault    ? "fault"
+               : *after == msg::RobotState::kDamped ? "damped"
+                                                    : "armed"];
   }
   std::string counts;
   for (const auto* each : {&happened, &ended_in}) {
@@ -786,7 +788,7 @@ TEST_F(HostsByNight, ABipedOverThreeHosts) {
     const std::string file = robot.Path("run" + std::to_string(lost) + ".mcap");
     const auto here = robot.Launch(0, {"--record", file}), there = robot.Launch(1),
                third = robot.Launch(2);
-    ASSERT_TRUE(robot.WaitFor(msg::ROBOT_DISARMED)) << here->error();
+    ASSERT_TRUE(robot.WaitFor(msg::RobotState::kDisarmed)) << here->error();
     ASSERT_TRUE(robot.WaitForCommand());
     ASSERT_EQ(robot.Ask(2, {"arm"}).exit_code, 0) << here->error();
     robot.cable().Set({.lost = lost});
@@ -798,7 +800,7 @@ TEST_F(HostsByNight, ABipedOverThreeHosts) {
     const Tracking tracking = TrackingOf(file, 12);
     if (!base) base = tracking;
     Print("biped over three hosts", lost, tracking, *base, witness_ms);
-    EXPECT_FALSE(states.contains(msg::ROBOT_FAULT));
+    EXPECT_FALSE(states.contains(msg::RobotState::kFault));
   }
 }
 

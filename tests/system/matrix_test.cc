@@ -143,7 +143,7 @@ class LiveRig {
                         (folder_.path() / "surrogate.yaml").string(), "--seed", "3", "--rate",
                         std::to_string(kRate_Hz)});
     for (const Role& role : roles_) Start(role.name, role.owner);
-    ASSERT_TRUE(WaitFor([&] { return robot_state_ == msg::ROBOT_DISARMED; }));
+    ASSERT_TRUE(WaitFor([&] { return robot_state_ == msg::RobotState::kDisarmed; }));
     for (const Role& role : roles_) {
       ASSERT_TRUE(WaitForStanding(role.name, false)) << programs_[role.name]->error();
     }
@@ -151,7 +151,7 @@ class LiveRig {
   void ArmAndMove() {
     const Finished arm = testing::Run({kSinew, "arm", "--domain", domain_});
     ASSERT_EQ(arm.exit_code, 0) << arm.error;
-    ASSERT_TRUE(WaitFor([&] { return robot_state_ == msg::ROBOT_ARMED; }));
+    ASSERT_TRUE(WaitFor([&] { return robot_state_ == msg::RobotState::kArmed; }));
     WaitFor_s(3.0);  // start delay and soft start
   }
 
@@ -160,9 +160,9 @@ class LiveRig {
     constexpr std::chrono::seconds kLimit(10);  // component_status comes every second
     const auto stands = [&] {
       const auto found = standing_.find(name);
-      return found != standing_.end() && found->second.state() == msg::COMPONENT_ACTIVE &&
-             found->second.standby() == standby &&
-             found->second.process_id() == static_cast<std::uint32_t>(programs_.at(name)->pid());
+      return found != standing_.end() && found->second.state == msg::ComponentState::kActive &&
+             found->second.standby == standby &&
+             found->second.process_id == static_cast<std::uint32_t>(programs_.at(name)->pid());
     };
     return WaitFor(stands, kLimit);
   }
@@ -200,11 +200,11 @@ class LiveRig {
   }
   void Listen() {
     while (const auto state = states_.TakeNext()) {
-      tick_ = state->header().tick();
-      robot_state_ = state->robot_state();
+      tick_ = state->header.tick;
+      robot_state_ = state->robot_state;
     }
     while (const auto status = statuses_.TakeNext()) {
-      standing_[status->name().to_string()] = *status;
+      standing_[status->name] = *status;
     }
   }
   template <class Condition>
@@ -246,7 +246,7 @@ class Recorded {
       commands_.push_back(command);
     }
     for (const msg::JointState& state : All<msg::JointState>("joint_state")) {
-      states_[state.header().tick()] = state;
+      states_[state.header.tick] = state;
     }
   }
 
@@ -276,16 +276,16 @@ class Recorded {
   double LargestTorqueStep_Nm(const Event& event) const {
     double largest = 0.0;
     ForEachPair(event, [&](const msg::JointCommand& a, const msg::JointCommand& b) {
-      largest = std::max(largest, std::abs(b.motor_torque_Nm()[0] - a.motor_torque_Nm()[0]));
+      largest = std::max(largest, std::abs(b.motor_torque_Nm[0] - a.motor_torque_Nm[0]));
     });
     return largest;
   }
   double LargestDeviation_rad(const Event& event) const {
     double largest = 0.0;
     ForEachPair(event, [&](const msg::JointCommand&, const msg::JointCommand& b) {
-      const auto state = states_.find(b.header().tick());
+      const auto state = states_.find(b.header.tick);
       if (state == states_.end()) return;
-      largest = std::max(largest, std::abs(b.position_rad()[0] - state->second.position_rad()[0]));
+      largest = std::max(largest, std::abs(b.position_rad[0] - state->second.position_rad[0]));
     });
     return largest;
   }
@@ -312,7 +312,7 @@ class Recorded {
   template <class Function>
   void ForEachPair(const Event& event, Function function) const {
     for (std::size_t k = 1; k < commands_.size(); ++k) {
-      const std::uint64_t tick = commands_[k].header().tick();
+      const std::uint64_t tick = commands_[k].header.tick;
       if (tick >= event.begin && tick <= event.end) function(commands_[k - 1], commands_[k]);
     }
   }
@@ -327,13 +327,13 @@ std::vector<std::string> WhoDrove(const Recorded& recorded, const std::string& r
   std::map<std::string, bool> standby;
   std::vector<std::string> drove{role};
   for (const auto& status : recorded.All<msg::ComponentStatus>("component_status")) {
-    if (status.component_kind().to_string() != role || status.state() != msg::COMPONENT_ACTIVE) {
+    if (status.component_kind != role || status.state != msg::ComponentState::kActive) {
       continue;
     }
-    const std::string name = status.name().to_string();
+    const std::string name = status.name;
     const auto before = standby.find(name);
-    if (before != standby.end() && before->second && !status.standby()) drove.push_back(name);
-    standby[name] = status.standby();
+    if (before != standby.end() && before->second && !status.standby) drove.push_back(name);
+    standby[name] = status.standby;
   }
   return drove;
 }
@@ -420,9 +420,9 @@ class Replacement {
     AssessOrder(recorded);
     for (const auto& [tick, state] : recorded.states()) {
       if (tick < events_.front().begin || tick > events_.back().end) continue;
-      ASSERT_TRUE(state.robot_state() == msg::ROBOT_ARMED ||
-                  state.robot_state() == msg::ROBOT_DAMPED)
-          << "tick " << tick << ": " << state.robot_state();
+      ASSERT_TRUE(state.robot_state == msg::RobotState::kArmed ||
+                  state.robot_state == msg::RobotState::kDamped)
+          << "tick " << tick << ": " << NameOf(state.robot_state);
     }
     // In this order; a machine that stalls for longer than the deadline may make more of it.
     const std::vector<std::string> drove = WhoDrove(recorded, name_);
@@ -438,7 +438,7 @@ class Replacement {
     bool resumed = name_ != "control";  // nobody else's command may come again
     std::uint64_t newest = 0;
     for (const msg::JointCommand& command : recorded.commands()) {
-      const std::uint64_t tick = command.header().tick();
+      const std::uint64_t tick = command.header.tick;
       // Who was stopped while it wrote a command sends it when it goes on, and is heard until it
       // has found out that it was silent.
       if (!resumed && tick < resumed_ && newest >= resumed_) {
@@ -455,9 +455,9 @@ class Replacement {
     }
     if (name_ != "control") return;
     for (const auto& source : recorded.All<msg::CommandSource>("command_source")) {
-      const std::uint64_t tick = source.header().tick();
+      const std::uint64_t tick = source.header.tick;
       if (tick < resumed_ || tick >= events_.back().begin) continue;
-      EXPECT_EQ(source.joint_command_participant(), kStandIn) << "executed what it should refuse";
+      EXPECT_EQ(source.joint_command_participant, kStandIn) << "executed what it should refuse";
     }
   }
 

@@ -56,8 +56,8 @@ std::set<std::string> ComponentsWithState(const fs::path& file, std::uint64_t fi
   const auto payloads = PayloadsByTopic(file);
   if (!payloads.contains("component_snapshot")) return names;
   for (const auto& part : MessagesOf<msg::ComponentSnapshot>(payloads, "component_snapshot")) {
-    if (part.header().tick() < first_tick || part.part() + 1 != part.part_count()) continue;
-    names.insert(part.name().to_string());
+    if (part.header.tick < first_tick || part.part + 1 != part.part_count) continue;
+    names.insert(part.name);
   }
   return names;
 }

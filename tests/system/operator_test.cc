@@ -39,7 +39,7 @@ bool WaitForState(node::Reader<msg::JointState>& reader, Condition condition,
 
 bool WaitForRobot(node::Reader<msg::JointState>& reader, msg::RobotState wanted) {
   return WaitForState(reader,
-                      [&](const msg::JointState& state) { return state.robot_state() == wanted; });
+                      [&](const msg::JointState& state) { return state.robot_state == wanted; });
 }
 
 struct Rig {
@@ -67,31 +67,31 @@ struct Rig {
 
 TEST(Operator, ArmsMovesAndStopsTheRobot) {
   Rig rig(145);
-  ASSERT_TRUE(WaitForRobot(rig.state, msg::ROBOT_DISARMED)) << rig.surrogate.error();
+  ASSERT_TRUE(WaitForRobot(rig.state, msg::RobotState::kDisarmed)) << rig.surrogate.error();
   ASSERT_EQ(rig.Command("arm"), 0);
-  ASSERT_TRUE(WaitForRobot(rig.state, msg::ROBOT_ARMED));
+  ASSERT_TRUE(WaitForRobot(rig.state, msg::RobotState::kArmed));
   // The benchmark moves 30 degrees to both sides.
   EXPECT_TRUE(WaitForState(
-      rig.state, [](const msg::JointState& s) { return std::abs(s.position_rad()[0]) > 0.4; }));
+      rig.state, [](const msg::JointState& s) { return std::abs(s.position_rad[0]) > 0.4; }));
   ASSERT_EQ(rig.Command("estop"), 0);
-  ASSERT_TRUE(WaitForRobot(rig.state, msg::ROBOT_ESTOPPED));
+  ASSERT_TRUE(WaitForRobot(rig.state, msg::RobotState::kEstopped));
   EXPECT_NE(rig.Command("arm"), 0) << "an estop ends only by reset";
   ASSERT_EQ(rig.Command("reset"), 0);
-  ASSERT_TRUE(WaitForRobot(rig.state, msg::ROBOT_DISARMED));
+  ASSERT_TRUE(WaitForRobot(rig.state, msg::RobotState::kDisarmed));
 }
 
 TEST(Operator, AKilledControllerIsBridgedAndThenAFault) {
   Rig rig(146);
-  ASSERT_TRUE(WaitForRobot(rig.state, msg::ROBOT_DISARMED)) << rig.surrogate.error();
+  ASSERT_TRUE(WaitForRobot(rig.state, msg::RobotState::kDisarmed)) << rig.surrogate.error();
   ASSERT_EQ(rig.Command("arm"), 0);
   ASSERT_TRUE(WaitForState(rig.state, [](const msg::JointState& s) {
-    return s.robot_state() == msg::ROBOT_ARMED && std::abs(s.velocity_rad_s()[0]) > 0.05;
+    return s.robot_state == msg::RobotState::kArmed && std::abs(s.velocity_rad_s[0]) > 0.05;
   }));
   rig.control.Signal(SIGKILL);
   bool damped = false;
   ASSERT_TRUE(WaitForState(rig.state, [&damped](const msg::JointState& s) {
-    damped = damped || s.robot_state() == msg::ROBOT_DAMPED;
-    return s.robot_state() == msg::ROBOT_FAULT;
+    damped = damped || s.robot_state == msg::RobotState::kDamped;
+    return s.robot_state == msg::RobotState::kFault;
   }));
   EXPECT_TRUE(damped) << "the gap was not bridged";
   EXPECT_NE(rig.Command("arm"), 0) << "a fault ends only by reset";
@@ -103,16 +103,16 @@ TEST(Operator, AFloodOfCommandsDoesNotFillTheLog) {
   node::Node observer(Observer(114));
   auto states = observer.MakeReader(node::kJointState);
   auto commands = observer.MakeWriter(node::kOperatorCommand);
-  ASSERT_TRUE(WaitForRobot(states, msg::ROBOT_DISARMED)) << surrogate.error();
+  ASSERT_TRUE(WaitForRobot(states, msg::RobotState::kDisarmed)) << surrogate.error();
   msg::OperatorCommand reset;  // of another session: refused
-  reset.action(msg::OPERATOR_RESET);
-  reset.reason("flood");
+  reset.action = msg::OperatorAction::kReset;
+  reset.reason = "flood";
   for (int i = 0; i < 500; ++i) (void)commands.Write(reset);
   msg::OperatorCommand estop;
-  estop.action(msg::OPERATOR_ESTOP);
+  estop.action = msg::OperatorAction::kEstop;
   ASSERT_TRUE(WaitForState(states, [&](const msg::JointState& s) {
     (void)commands.Write(estop);
-    return s.robot_state() == msg::ROBOT_ESTOPPED;
+    return s.robot_state == msg::RobotState::kEstopped;
   }));
   ASSERT_TRUE(WaitForState(states, [&](const msg::JointState&) {
     (void)commands.Write(estop);
@@ -129,7 +129,7 @@ TEST(Operator, AFloodOfCommandsDoesNotFillTheLog) {
 
 TEST(Operator, ASecondStateProviderIsRefused) {
   Rig rig(147);
-  ASSERT_TRUE(WaitForRobot(rig.state, msg::ROBOT_DISARMED));
+  ASSERT_TRUE(WaitForRobot(rig.state, msg::RobotState::kDisarmed));
   const Finished second =
       testing::Run({kBin + "/sinew-surrogate", "--config", kRig + "surrogate.yaml", "--domain",
                     rig.domain, "--name", "second"});
@@ -140,7 +140,7 @@ TEST(Operator, ASecondStateProviderIsRefused) {
 
 TEST(Operator, ALaunchBesideARunningRobotStartsNothing) {
   Rig rig(147);
-  ASSERT_TRUE(WaitForRobot(rig.state, msg::ROBOT_DISARMED));
+  ASSERT_TRUE(WaitForRobot(rig.state, msg::RobotState::kDisarmed));
   const Finished second = testing::Run({kBin + "/sinew", "launch", kRig + "deploy_rig.yaml",
                                         "--mode", "realtime", "--domain", rig.domain});
   EXPECT_EQ(second.exit_code, 2);
@@ -190,16 +190,16 @@ TEST(Operator, AControllerOfAJointWithAnotherNameLetsNobodyArm) {
 // The first one cannot answer while the second one looks, as when datagrams are lost.
 TEST(Operator, OfTwoStateProvidersTheYoungerEnds) {
   Rig rig(147);
-  ASSERT_TRUE(WaitForRobot(rig.state, msg::ROBOT_DISARMED));
+  ASSERT_TRUE(WaitForRobot(rig.state, msg::RobotState::kDisarmed));
   const auto is_of = [](std::uint64_t session, bool wanted) {
     return [session, wanted](const msg::JointState& s) {
-      return (s.header().session_id() == session) == wanted;
+      return (s.header.session_id == session) == wanted;
     };
   };
   std::uint64_t session = 0;
   ASSERT_TRUE(WaitForState(rig.state, [&session](const msg::JointState& s) {
-    session = s.header().session_id();
-    return s.header().tick() > 500;  // 2 s older than the second
+    session = s.header.session_id;
+    return s.header.tick > 500;  // 2 s older than the second
   }));
   rig.surrogate.Signal(SIGSTOP);
   Program second({kBin + "/sinew-surrogate", "--config", kRig + "surrogate.yaml", "--domain",

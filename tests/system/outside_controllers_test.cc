@@ -85,25 +85,25 @@ class MovingRig {
     while (OutsideClock::now() < end) {
       node_.WaitForData(5ms);
       while (const auto source = sources_.TakeNext()) {
-        driver_ = source->joint_command_participant().to_string();
+        driver_ = source->joint_command_participant;
       }
       while (const auto state = states_.TakeNext()) {
-        seen.fault_ticks += state->robot_state() == msg::ROBOT_FAULT ? 1 : 0;
-        position_rad_[state->header().tick()] = state->position_rad()[0];
-        Compare(state->header().tick(), &seen);
+        seen.fault_ticks += state->robot_state == msg::RobotState::kFault ? 1 : 0;
+        position_rad_[state->header.tick] = state->position_rad[0];
+        Compare(state->header.tick, &seen);
       }
       while (const auto reference = references_.TakeNext()) {
-        seen.idle_references += reference->idle() ? 1 : 0;
-        reference_rad_[reference->header().tick()] = reference->position_rad()[0];
-        Compare(reference->header().tick(), &seen);
+        seen.idle_references += reference->idle ? 1 : 0;
+        reference_rad_[reference->header.tick] = reference->position_rad[0];
+        Compare(reference->header.tick, &seen);
       }
       while (const auto command = commands_.TakeNext()) {
         ++seen.commands;
-        const double torque_Nm = command->motor_torque_Nm()[0];
-        if (command->header().tick() == last_tick_ + 1) {
+        const double torque_Nm = command->motor_torque_Nm[0];
+        if (command->header.tick == last_tick_ + 1) {
           seen.largest_step_Nm = std::max(seen.largest_step_Nm, std::abs(torque_Nm - torque_Nm_));
         }
-        last_tick_ = command->header().tick();
+        last_tick_ = command->header.tick;
         torque_Nm_ = torque_Nm;
       }
     }

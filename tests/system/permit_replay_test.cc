@@ -81,11 +81,11 @@ class Player {
       const auto state = states.WaitNext(20ms);
       if (!state) continue;
       msg::Reference reference;
-      reference.header(state->header());
-      reference.header().origin(msg::ORIGIN_REPLAY);
-      reference.state_tick(state->header().tick());
-      reference.joint_count(1);
-      reference.position_rad()[0] = position_rad_;
+      reference.header = state->header;
+      reference.header.origin = msg::Origin::kReplay;
+      reference.state_tick = state->header.tick;
+      reference.joint_count = 1;
+      reference.position_rad[0] = position_rad_;
       (void)references.Write(reference);
     }
   }
@@ -131,9 +131,9 @@ class LiveRobot : public ::testing::Test {
     while (std::chrono::steady_clock::now() < end) {
       const auto state = states_.WaitNext(1s);
       if (!state) continue;
-      robot_ = state->robot_state();
-      position_rad_ = state->position_rad()[0];
-      if (state->header().tick() >= first->header().tick() + count) return true;
+      robot_ = state->robot_state;
+      position_rad_ = state->position_rad[0];
+      if (state->header.tick >= first->header.tick + count) return true;
     }
     return false;
   }
@@ -152,7 +152,7 @@ class LiveRobot : public ::testing::Test {
   Program control_;
   node::Node observer_;
   node::Reader<msg::JointState> states_;
-  msg::RobotState robot_ = msg::ROBOT_FAULT;
+  msg::RobotState robot_ = msg::RobotState::kFault;
   double position_rad_ = 0.0;
   std::thread provider_;
 };
@@ -167,7 +167,7 @@ TEST_F(LiveRobot, ARecordingMovesItOnlyWithPermissionAndWithoutAStep) {
   // Without permission it is held where it is.
   ASSERT_TRUE(CyclesUntil([&] { return joint_.commanded_rad().size() > 100; })) << control_.error();
   for (const double commanded_rad : joint_.commanded_rad()) ASSERT_EQ(commanded_rad, 0.0);
-  EXPECT_EQ(robot_, msg::ROBOT_ARMED) << "and control goes on holding it";
+  EXPECT_EQ(robot_, msg::RobotState::kArmed) << "and control goes on holding it";
   EXPECT_TRUE(control_.WaitForText("sinew permit-replay player", 10s)) << control_.error();
 
   const Finished other = Command({"permit-replay", "somebody"}, "3");
@@ -202,7 +202,7 @@ TEST_F(LiveRobot, ARecordingMovesItOnlyWithPermissionAndWithoutAStep) {
       << control_.error();
   const std::vector<double> held_rad = joint_.commanded_rad();
   for (std::size_t i = before; i < held_rad.size(); ++i) ASSERT_NEAR(held_rad[i], 1.0, 1e-6);
-  EXPECT_EQ(robot_, msg::ROBOT_ARMED);
+  EXPECT_EQ(robot_, msg::RobotState::kArmed);
 }
 
 TEST_F(LiveRobot, AnotherReferenceEndsThePermission) {
@@ -219,7 +219,7 @@ TEST_F(LiveRobot, AnotherReferenceEndsThePermission) {
   ASSERT_TRUE(control_.WaitForText("permit-replay of 'player' has ended", 20s)) << control_.error();
   ASSERT_TRUE(Cycles(100));
   EXPECT_NEAR(position_rad_, 1.0, 1e-6);
-  EXPECT_EQ(robot_, msg::ROBOT_ARMED);
+  EXPECT_EQ(robot_, msg::RobotState::kArmed);
 }
 
 }  // namespace

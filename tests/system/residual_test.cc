@@ -62,22 +62,22 @@ TEST_P(APayload, IsReportedWithinFiveSecondsOfSimulatedTime) {
   double reported_s = 0.0;
   bool learnt = false;
   for (const msg::ResidualState& message : messages) {
-    const double t = static_cast<double>(message.header().tick()) / kTicksPerSecond;
-    if (message.state()[0] == msg::RESIDUAL_WATCHING) learnt = true;
-    if (message.alarm()[0] && reported_s == 0.0) reported_s = t;
+    const double t = static_cast<double>(message.header.tick) / kTicksPerSecond;
+    if (message.state[0] == msg::ResidualMonitorState::kWatching) learnt = true;
+    if (message.alarm[0] && reported_s == 0.0) reported_s = t;
   }
   ASSERT_FALSE(messages.empty());
   EXPECT_TRUE(learnt);
   EXPECT_GT(reported_s, put_on_s) << "seed " << seed;
   EXPECT_LT(reported_s, put_on_s + 5.0) << "seed " << seed;
   const msg::ResidualState& last = messages.back();
-  EXPECT_EQ(last.state()[0], msg::RESIDUAL_ALARM);
-  EXPECT_EQ(last.follows()[0], msg::CAUSE_PAYLOAD) << "seed " << seed;
-  EXPECT_GT(last.follows_share()[0], 0.5) << "seed " << seed;
-  EXPECT_LE(last.follows_share()[0], 1.0) << "seed " << seed;
-  EXPECT_NEAR(last.change()[0], 0.5, 0.05) << "seed " << seed;
-  EXPECT_NEAR(1e-9 * static_cast<double>(last.since_ns()[0] - messages[0].header().stamp_ns()),
-              put_on_s, 0.5)
+  EXPECT_EQ(last.state[0], msg::ResidualMonitorState::kAlarm);
+  EXPECT_EQ(last.follows[0], msg::ResidualCause::kPayload) << "seed " << seed;
+  EXPECT_GT(last.follows_share[0], 0.5) << "seed " << seed;
+  EXPECT_LE(last.follows_share[0], 1.0) << "seed " << seed;
+  EXPECT_NEAR(last.change[0], 0.5, 0.05) << "seed " << seed;
+  EXPECT_NEAR(1e-9 * static_cast<double>(last.since_ns[0] - messages[0].header.stamp_ns), put_on_s,
+              0.5)
       << "seed " << seed;
   std::printf("seed %d: reported after %.2f s\n", seed, reported_s - put_on_s);
 }
@@ -90,12 +90,12 @@ TEST(ResidualOverTopics, WithoutAChangeThereIsNoAlarmAndStandstillIsSaid) {
       138, 5, 20,
       {"--set", "reference.config=" SINEW_SOURCE_DIR "/robots/rig/reference_benchmark.yaml"});
   ASSERT_FALSE(messages.empty());
-  for (const msg::ResidualState& message : messages) ASSERT_FALSE(message.alarm()[0]);
-  EXPECT_EQ(messages[10 * 240].state()[0], msg::RESIDUAL_LEARNING);
-  EXPECT_GT(messages[10 * 240].learnt_share()[0], 0.1);
-  EXPECT_EQ(messages.back().state()[0], msg::RESIDUAL_NOT_EXCITED);
-  EXPECT_LT(messages.back().learnt_share()[0], 1.0);
-  EXPECT_GT(messages.back().explained_share()[0], 0.9);
+  for (const msg::ResidualState& message : messages) ASSERT_FALSE(message.alarm[0]);
+  EXPECT_EQ(messages[10 * 240].state[0], msg::ResidualMonitorState::kLearning);
+  EXPECT_GT(messages[10 * 240].learnt_share[0], 0.1);
+  EXPECT_EQ(messages.back().state[0], msg::ResidualMonitorState::kNotExcited);
+  EXPECT_LT(messages.back().learnt_share[0], 1.0);
+  EXPECT_GT(messages.back().explained_share[0], 0.9);
 }
 
 }  // namespace

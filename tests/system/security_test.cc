@@ -346,7 +346,7 @@ constexpr std::uint64_t kForgedTick = 77'777'777'777;
 // send it.
 node::testing::Datagram ForgedState(const std::vector<std::uint8_t>& writer) {
   msg::JointState state;
-  state.header().tick(kForgedTick);
+  state.header.tick = kForgedTick;
   node::Bytes bytes;
   EXPECT_TRUE(node::Encode(state, &bytes));
   node::testing::Datagram payload;

@@ -74,7 +74,7 @@ double TrackingError(const Recording& recording) {
   EXPECT_EQ(references.size(), kTicks);
   double sum = 0.0;
   for (std::size_t k = kMoving; k < std::min(states.size(), references.size()); ++k) {
-    const double error = states[k].position_rad()[0] - references[k].position_rad()[0];
+    const double error = states[k].position_rad[0] - references[k].position_rad[0];
     sum += error * error;
   }
   return std::sqrt(sum / static_cast<double>(kTicks - kMoving));
@@ -107,20 +107,20 @@ TEST_F(StandIns, TheDetectorAgreesWithThePublishedTruth) {
   ASSERT_EQ(regime.size(), kTicks);
   std::size_t same = 0, inside = 0;
   for (std::size_t k = kMoving; k < kTicks; ++k) {
-    const bool free = truth[k].contact()[0] == msg::CONTACT_NONE;
+    const bool free = truth[k].contact[0] == msg::ContactSide::kNone;
     inside += free ? 1 : 0;
-    const bool sea = regime[k].regime()[0] == msg::REGIME_SEA;
-    same += regime[k].regime()[0] != msg::REGIME_UNKNOWN && sea == free ? 1 : 0;
-    EXPECT_EQ(truth[k].joint_count(), 1);
-    EXPECT_NEAR(truth[k].backlash_rad()[0], 2.66 * M_PI / 180.0, 0.01);
+    const bool sea = regime[k].regime[0] == msg::RegimeKind::kSea;
+    same += regime[k].regime[0] != msg::RegimeKind::kUnknown && sea == free ? 1 : 0;
+    EXPECT_EQ(truth[k].joint_count, 1);
+    EXPECT_NEAR(truth[k].backlash_rad[0], 2.66 * M_PI / 180.0, 0.01);
   }
   const double total = static_cast<double>(kTicks - kMoving);
   std::printf("detector right in %.1f %% of ticks, inside in %.1f %%\n", 100.0 * same / total,
               100.0 * inside / total);
   EXPECT_GT(same / total, 0.9);
   // At rest the teeth are in the middle of the play; under 4 bar they do not leave their side.
-  EXPECT_EQ(truth[0].contact()[0], msg::CONTACT_NONE);
-  EXPECT_NEAR(truth[0].play_angle_rad()[0], 0.5 * truth[0].backlash_rad()[0], 1e-6);
+  EXPECT_EQ(truth[0].contact[0], msg::ContactSide::kNone);
+  EXPECT_NEAR(truth[0].play_angle_rad[0], 0.5 * truth[0].backlash_rad[0], 1e-6);
 }
 
 TEST_F(StandIns, IdealPressureTrueRegimeAndTheModelDriveTheRig) {
@@ -134,10 +134,10 @@ TEST_F(StandIns, IdealPressureTrueRegimeAndTheModelDriveTheRig) {
   ASSERT_EQ(valves.size(), kTicks);
   for (std::size_t k = 1; k < kTicks; ++k) {
     // The sensor: five times its noise of 6 mbar, and a count of 10 mbar.
-    ASSERT_NEAR(inside[k].chamber_pressure_bar()[0], 4.0, 0.04) << "tick " << k;
-    ASSERT_EQ(state[k].target_pressure_bar()[0], 4.0);
-    ASSERT_TRUE(state[k].settled()[0]);
-    ASSERT_FALSE(valves[k].valve_open()[0] || valves[k].compressor_on()[0]);
+    ASSERT_NEAR(inside[k].chamber_pressure_bar[0], 4.0, 0.04) << "tick " << k;
+    ASSERT_EQ(state[k].target_pressure_bar[0], 4.0);
+    ASSERT_TRUE(state[k].settled[0]);
+    ASSERT_FALSE(valves[k].valve_open[0] || valves[k].compressor_on[0]);
   }
 
   const auto truth = Messages<msg::SimTruth>(run, "sim_truth");
@@ -145,11 +145,12 @@ TEST_F(StandIns, IdealPressureTrueRegimeAndTheModelDriveTheRig) {
   ASSERT_EQ(truth.size(), kTicks);
   ASSERT_EQ(regime.size(), kTicks);
   for (std::size_t k = 0; k < kTicks; ++k) {
-    const bool free = truth[k].contact()[0] == msg::CONTACT_NONE;
-    ASSERT_EQ(regime[k].regime()[0], free ? msg::REGIME_SEA : msg::REGIME_PEA) << "tick " << k;
-    ASSERT_EQ(regime[k].phase()[0], msg::PHASE_EXECUTION);
-    ASSERT_EQ(regime[k].confidence()[0], 1.0);
-    ASSERT_FALSE(regime[k].stale());
+    const bool free = truth[k].contact[0] == msg::ContactSide::kNone;
+    ASSERT_EQ(regime[k].regime[0], free ? msg::RegimeKind::kSea : msg::RegimeKind::kPea)
+        << "tick " << k;
+    ASSERT_EQ(regime[k].phase[0], msg::RegimePhase::kExecution);
+    ASSERT_EQ(regime[k].confidence[0], 1.0);
+    ASSERT_FALSE(regime[k].stale);
   }
 
   EXPECT_EQ(Messages<msg::TorquePrediction>(run, "torque_prediction").size(), kTicks);
@@ -165,7 +166,7 @@ TEST_F(StandIns, ARecordedReferenceAndAFrozenReadoutTakeTheirPlaces) {
   const auto recorded = Messages<msg::Reference>(*original_, "reference");
   ASSERT_EQ(recorded.size(), kTicks);
   std::size_t first = 0;
-  while (first < kTicks && recorded[first].idle()) ++first;
+  while (first < kTicks && recorded[first].idle) ++first;
   ASSERT_LT(first, kTicks);
   const std::filesystem::path config = Path("recorded.yaml");
   std::ofstream(config) << "schema: sinew-recorded-reference/1\nrecording: original.mcap\n"
@@ -180,36 +181,36 @@ TEST_F(StandIns, ARecordedReferenceAndAFrozenReadoutTakeTheirPlaces) {
   ASSERT_EQ(played.size(), kTicks);
   constexpr std::size_t kSoftStart = 60;
   std::size_t started = 0;
-  while (started < kTicks && played[started].idle()) ++started;
+  while (started < kTicks && played[started].idle) ++started;
   // The recording ends before this run, in the middle of a motion: then it comes to rest softly.
   const std::size_t end = std::min(kTicks, kTicks - first + started + kSoftStart);
   ASSERT_GT(end, kMoving);
   for (std::size_t k = started + kSoftStart; k < end; ++k) {
     const msg::Reference& then = recorded[first + k - started - kSoftStart];
     // Past the soft start the recorded values themselves, at the running session's ticks.
-    ASSERT_EQ(played[k].position_rad()[0], then.position_rad()[0]) << "tick " << k;
-    ASSERT_EQ(played[k].velocity_rad_s()[0], then.velocity_rad_s()[0]) << "tick " << k;
-    ASSERT_EQ(played[k].header().origin(), msg::ORIGIN_REPLAY);
-    ASSERT_EQ(played[k].header().tick(), k);
+    ASSERT_EQ(played[k].position_rad[0], then.position_rad[0]) << "tick " << k;
+    ASSERT_EQ(played[k].velocity_rad_s[0], then.velocity_rad_s[0]) << "tick " << k;
+    ASSERT_EQ(played[k].header.origin, msg::Origin::kReplay);
+    ASSERT_EQ(played[k].header.tick, k);
   }
   // What is computed from it says so too.
-  EXPECT_EQ(Messages<msg::JointCommand>(run, "joint_command")[kMoving].header().origin(),
-            msg::ORIGIN_REPLAY);
+  EXPECT_EQ(Messages<msg::JointCommand>(run, "joint_command")[kMoving].header.origin,
+            msg::Origin::kReplay);
 
   const auto readouts = Messages<msg::Readout>(run, "readout");
   const auto adaptation = Messages<msg::AdaptationState>(run, "adaptation_state");
   ASSERT_EQ(readouts.size(), kTicks);
   ASSERT_EQ(adaptation.size(), kTicks);
   for (std::size_t k = 0; k < kTicks; ++k) {
-    ASSERT_EQ(readouts[k].version(), 0u);
-    ASSERT_TRUE(adaptation[k].frozen());
-    ASSERT_FALSE(adaptation[k].stale());
+    ASSERT_EQ(readouts[k].version, 0u);
+    ASSERT_TRUE(adaptation[k].frozen);
+    ASSERT_FALSE(adaptation[k].stale);
   }
   // As the adapter's before its first update: the readout as trained.
   const msg::Readout trained = Messages<msg::Readout>(*original_, "readout").at(0);
-  ASSERT_EQ(trained.version(), 0u);
-  ASSERT_EQ(readouts[kMoving].network(), trained.network());
-  EXPECT_EQ(readouts[kMoving].weight(), trained.weight());
+  ASSERT_EQ(trained.version, 0u);
+  ASSERT_EQ(readouts[kMoving].network, trained.network);
+  EXPECT_EQ(readouts[kMoving].weight, trained.weight);
   const double original = TrackingError(*original_), stand_in = TrackingError(run);
   std::printf("tracking error %.2f mrad, with stand-ins %.2f mrad\n", 1e3 * original,
               1e3 * stand_in);

@@ -51,23 +51,21 @@ void CheckJointCommands(RealTimeRun& run) {
   }
 
   std::string moved;
-  constexpr std::pair<msg::RobotState, const char*> kStates[] = {{msg::ROBOT_DISARMED, "disarmed"},
-                                                                 {msg::ROBOT_FAULT, "fault"},
-                                                                 {msg::ROBOT_ESTOPPED, "estopped"}};
-  for (const auto& [state, name] : kStates) {
+  for (const msg::RobotState state :
+       {msg::RobotState::kDisarmed, msg::RobotState::kFault, msg::RobotState::kEstopped}) {
     Moment moment = run.Armed();
     moment.robot_state = state;
     const double share = ShareWhile(run, moment, &Drives);
-    if (share > 0.0) moved += std::string(" ") + name + ": in " + Percent(share) + ";";
+    if (share > 0.0) moved += std::string(" ") + NameOf(state) + ": in " + Percent(share) + ";";
   }
   run.report.Add("no_torque_unarmed", moved.empty(),
                  "COMMAND_IDLE or no torque while the robot is disarmed, in fault or estopped",
                  moved.empty() ? "none" : "torque" + moved);
 
   (void)run.stage.Play(run.Armed(), kSettleTicks);
-  run.stage.Send(msg::OPERATOR_ESTOP);
+  run.stage.Send(msg::OperatorAction::kEstop);
   const double after_estop = ShareWhile(run, run.Armed(), &Drives);
-  run.stage.Send(msg::OPERATOR_RESET);
+  run.stage.Send(msg::OperatorAction::kReset);
   (void)run.stage.Play(run.Disarmed(), kSettleTicks);
   run.report.Add("estop", after_estop == 0.0,
                  "no torque after OPERATOR_ESTOP, before the state provider reports it",

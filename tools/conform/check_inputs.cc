@@ -20,8 +20,8 @@ constexpr std::uint32_t kNoOrigin = 77;
 
 bool IsStale(const Facts& facts) { return facts.stale.value_or(false); }
 bool IsFresh(const Facts& facts) { return !IsStale(facts); }
-bool IsReplayed(const Facts& facts) { return facts.origin == msg::ORIGIN_REPLAY; }
-bool IsLive(const Facts& facts) { return facts.origin == msg::ORIGIN_LIVE; }
+bool IsReplayed(const Facts& facts) { return facts.origin == msg::Origin::kReplay; }
+bool IsLive(const Facts& facts) { return facts.origin == msg::Origin::kLive; }
 
 // Inputs of the role's rules that this program reads.
 std::vector<StaleRule> RulesOf(const RealTimeRun& run) {
@@ -190,7 +190,7 @@ const std::vector<Stage::Damaging>& Damages() {
 
 std::uint64_t MalformedCount(RealTimeRun& run) {
   const auto status = run.stage.status();
-  return status ? status->malformed_samples() : 0;
+  return status ? status->malformed_samples : 0;
 }
 
 }  // namespace

@@ -54,7 +54,7 @@ LockstepRun RunOnce(const Options& options, const Role& role, std::optional<int>
     const Moment disarmed{.joints = options.joints};
     Moment moment = disarmed;
     Append(&run.window, stage.Play(moment, kArmedAt));
-    moment.robot_state = msg::ROBOT_ARMED;
+    moment.robot_state = msg::RobotState::kArmed;
     Append(&run.window, stage.Play(moment, kRunTicks - kArmedAt - 1));
     moment.last_tick = !signal;
     Append(&run.window, stage.Play(moment, 1));

@@ -7,7 +7,6 @@
 #include "components/topics/node/endpoint.h"
 #include "components/topics/node/ownership.h"
 #include "components/topics/node/topics.h"
-#include "components/topics/wire/component_state.h"
 #include "tools/conform/real_time_run.h"
 
 namespace sinew::conform {
@@ -77,7 +76,7 @@ void CheckStart(RealTimeRun& run) {
                                 run.Disarmed(),
                                 [&] {
                                   const auto status = run.stage.status();
-                                  return status && status->state() == msg::COMPONENT_ACTIVE;
+                                  return status && status->state == msg::ComponentState::kActive;
                                 },
                                 kStart);
   const auto status = run.stage.status();
@@ -85,8 +84,8 @@ void CheckStart(RealTimeRun& run) {
   if (!status) {
     seen = "no component_status of '" + run.stage.options().subject + "'";
   } else {
-    seen = wire::NameOf(status->state());
-    if (!status->message().to_string().empty()) seen += ": " + status->message().to_string();
+    seen = NameOf(status->state);
+    if (!status->message.empty()) seen += ": " + status->message;
     for (const node::TopicInfo& topic : run.role.must_write) {
       if (!run.stage.SubjectWrites(topic.name)) seen += "; no writer of " + topic.name;
     }
@@ -101,10 +100,10 @@ void CheckStart(RealTimeRun& run) {
                  "component_status of its name, active within " + std::to_string(kStart.count()) +
                      " ms of ticks, a reader of joint_state and a writer of each of its topics",
                  seen);
-  const std::string kind = status ? status->component_kind().to_string() : "";
+  const std::string kind = status ? status->component_kind : "";
   run.report.Add("kind", kind == run.role.name, "component_kind '" + run.role.name + "'",
                  "'" + kind + "'");
-  const std::string hash = status ? status->idl_hash().to_string() : "";
+  const std::string hash = status ? status->idl_hash : "";
   run.report.Add("idl_hash", hash == node::AllTopicsHash(),
                  "idl_hash " + node::AllTopicsHash() + " of this build's topics", "'" + hash + "'");
 }
@@ -137,7 +136,7 @@ void CheckOwnership(RealTimeRun& run) {
   bool taken = false;
   const auto end = StageClock::now() + kHandover;
   while (!taken && StageClock::now() < end) {
-    run.stage.Send(msg::OPERATOR_HANDOVER, run.stage.options().subject);
+    run.stage.Send(msg::OperatorAction::kHandover, run.stage.options().subject);
     taken = run.stage.PlayUntil(run.Disarmed(), above, milliseconds(200));
   }
   run.report.Add("handover", taken,

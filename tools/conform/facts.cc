@@ -44,26 +44,25 @@ bool IsFinite(const Message&) {
   return true;
 }
 bool IsFinite(const msg::JointCommand& m) {
-  return AllFinite(m.joint_count(), {&m.motor_torque_Nm(), &m.position_rad(), &m.velocity_rad_s()});
+  return AllFinite(m.joint_count, {&m.motor_torque_Nm, &m.position_rad, &m.velocity_rad_s});
 }
 bool IsFinite(const msg::Reference& m) {
-  return AllFinite(m.joint_count(),
-                   {&m.position_rad(), &m.velocity_rad_s(), &m.acceleration_rad_s2()});
+  return AllFinite(m.joint_count, {&m.position_rad, &m.velocity_rad_s, &m.acceleration_rad_s2});
 }
 bool IsFinite(const msg::TorquePrediction& m) {
-  return AllFinite(m.joint_count(), {&m.torque_Nm(), &m.sea_torque_Nm(), &m.pea_torque_Nm()});
+  return AllFinite(m.joint_count, {&m.torque_Nm, &m.sea_torque_Nm, &m.pea_torque_Nm});
 }
 
 bool Drives(const msg::JointCommand& m) {
-  for (std::size_t j = 0; j < m.joint_count(); ++j) {
-    if (m.mode()[j] == msg::COMMAND_IDLE) continue;
-    if (m.mode()[j] != msg::COMMAND_TORQUE || m.motor_torque_Nm()[j] != 0.0) return true;
+  for (std::size_t j = 0; j < m.joint_count; ++j) {
+    if (m.mode[j] == msg::CommandMode::kIdle) continue;
+    if (m.mode[j] != msg::CommandMode::kTorque || m.motor_torque_Nm[j] != 0.0) return true;
   }
   return false;
 }
 
 bool IsUnsettled(const msg::PneumaticState& m) {
-  return std::none_of(m.settled().begin(), m.settled().begin() + m.joint_count(),
+  return std::none_of(m.settled.begin(), m.settled.begin() + m.joint_count,
                       [](bool settled) { return settled; });
 }
 
@@ -72,15 +71,15 @@ std::optional<Facts> FactsOf(const node::Bytes& payload) {
   Message message;
   if (!node::Decode(payload, &message)) return std::nullopt;
   Facts facts;
-  facts.session_id = message.header().session_id();
-  facts.tick = message.header().tick();
-  facts.origin = static_cast<int>(message.header().origin());
-  if constexpr (requires { message.joint_count(); }) facts.joint_count = message.joint_count();
-  if constexpr (requires { message.stale(); }) facts.stale = message.stale();
+  facts.session_id = message.header.session_id;
+  facts.tick = message.header.tick;
+  facts.origin = message.header.origin;
+  if constexpr (requires { message.joint_count; }) facts.joint_count = message.joint_count;
+  if constexpr (requires { message.stale; }) facts.stale = message.stale;
   if constexpr (std::is_same_v<Message, msg::PneumaticState>) facts.stale = IsUnsettled(message);
   if constexpr (std::is_same_v<Message, msg::JointCommand>) facts.drives = Drives(message);
   if constexpr (std::is_same_v<Message, msg::ValveCommand>) {
-    facts.valve_open = message.valve_open()[0];
+    facts.valve_open = message.valve_open[0];
   }
   facts.finite = IsFinite(message);
   if (!node::Encode(message, &facts.canonical)) return std::nullopt;
@@ -90,10 +89,10 @@ std::optional<Facts> FactsOf(const node::Bytes& payload) {
 template <class Message>
 node::Bytes ImpossibleCount(const node::Bytes& payload) {
   node::Bytes bytes;
-  if constexpr (requires(Message m) { m.joint_count(std::uint8_t{}); }) {
+  if constexpr (requires(Message m) { m.joint_count; }) {
     Message message;
     if (!node::Decode(payload, &message)) return bytes;
-    message.joint_count(kImpossibleCount);
+    message.joint_count = kImpossibleCount;
     if (!node::Encode(message, &bytes)) bytes.clear();
   }
   return bytes;

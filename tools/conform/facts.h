@@ -1,6 +1,8 @@
 // The facts of an output that the checks look at, whatever its type.
 #pragma once
 
+#include <sinew_idl/header.h>
+
 #include <cstdint>
 #include <optional>
 #include <string_view>
@@ -11,7 +13,7 @@ namespace sinew::conform {
 
 struct Facts {
   std::uint64_t session_id = 0, tick = 0;
-  int origin = 0;             // msg::Origin
+  msg::Origin origin{};
   std::optional<bool> stale;  // of pneumatic_state: nothing is settled; empty: has no such field
   std::optional<int> joint_count;
   bool finite = true;       // torques, positions and their derivatives of all joints in use

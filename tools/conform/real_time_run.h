@@ -23,7 +23,9 @@ struct RealTimeRun {
   Report& report;
 
   Moment Disarmed() const { return {.joints = options.joints}; }
-  Moment Armed() const { return {.joints = options.joints, .robot_state = msg::ROBOT_ARMED}; }
+  Moment Armed() const {
+    return {.joints = options.joints, .robot_state = msg::RobotState::kArmed};
+  }
 };
 
 using RealTimePart = Part<RealTimeRun&>;

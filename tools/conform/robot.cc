@@ -45,76 +45,75 @@ Swing SwingAt(const Moment& moment) {
 template <class Message>
 Message WithJoints(const Moment& moment) {
   Message message;
-  message.joint_count(static_cast<std::uint8_t>(moment.joints));
+  message.joint_count = static_cast<std::uint8_t>(moment.joints);
   return message;
 }
 
 msg::JointState MakeJointState(const Moment& moment) {
   auto message = WithJoints<msg::JointState>(moment);
-  message.robot_state(moment.robot_state);
-  message.last_tick(moment.last_tick);
-  message.period_s(moment.period_s);
-  message.measured_period_s(moment.period_s);
+  message.robot_state = moment.robot_state;
+  message.last_tick = moment.last_tick;
+  message.period_s = moment.period_s;
+  message.measured_period_s = moment.period_s;
   const Swing swing = SwingAt(moment);
-  for (std::size_t j = 0; j < message.joint_count(); ++j) {
-    message.position_rad()[j] = moment.positions_are_nan ? std::nan("") : swing.position_rad;
-    message.velocity_rad_s()[j] = swing.velocity_rad_s;
-    message.valid()[j] = true;
+  for (std::size_t j = 0; j < message.joint_count; ++j) {
+    message.position_rad[j] = moment.positions_are_nan ? std::nan("") : swing.position_rad;
+    message.velocity_rad_s[j] = swing.velocity_rad_s;
+    message.valid[j] = true;
   }
   return message;
 }
 
 msg::ActuatorState MakeActuatorState(const Moment& moment) {
   auto message = WithJoints<msg::ActuatorState>(moment);
-  message.measured_flags(~0u);  // every signal
+  message.measured_flags = ~0u;  // every signal
   const Swing swing = SwingAt(moment);
-  for (std::size_t j = 0; j < message.joint_count(); ++j) {
-    message.motor_position_rad()[j] = kGearRatio * swing.position_rad;
-    message.motor_velocity_rad_s()[j] = kGearRatio * swing.velocity_rad_s;
-    message.motor_temperature_degC()[j] = kAmbient_degC;
-    message.chamber_pressure_bar()[j] = kPressure_bar;
-    message.reservoir_pressure_bar()[j] = kPressure_bar;
-    message.valve_open()[j] = moment.valve_open;
-    message.valid()[j] = true;
+  for (std::size_t j = 0; j < message.joint_count; ++j) {
+    message.motor_position_rad[j] = kGearRatio * swing.position_rad;
+    message.motor_velocity_rad_s[j] = kGearRatio * swing.velocity_rad_s;
+    message.motor_temperature_degC[j] = kAmbient_degC;
+    message.chamber_pressure_bar[j] = kPressure_bar;
+    message.reservoir_pressure_bar[j] = kPressure_bar;
+    message.valve_open[j] = moment.valve_open;
+    message.valid[j] = true;
   }
   return message;
 }
 
 msg::Reference MakeReference(const Moment& moment) {
   auto message = WithJoints<msg::Reference>(moment);
-  message.state_tick(moment.tick);
+  message.state_tick = moment.tick;
   const Swing swing = SwingAt(moment);
-  for (std::size_t j = 0; j < message.joint_count(); ++j) {
-    message.position_rad()[j] = swing.position_rad + kReferenceAhead_rad;
-    message.velocity_rad_s()[j] = swing.velocity_rad_s;
-    message.acceleration_rad_s2()[j] = swing.acceleration_rad_s2;
+  for (std::size_t j = 0; j < message.joint_count; ++j) {
+    message.position_rad[j] = swing.position_rad + kReferenceAhead_rad;
+    message.velocity_rad_s[j] = swing.velocity_rad_s;
+    message.acceleration_rad_s2[j] = swing.acceleration_rad_s2;
     if (!moment.reference_is_nan) continue;
-    message.position_rad()[j] = message.velocity_rad_s()[j] = std::nan("");
+    message.position_rad[j] = message.velocity_rad_s[j] = std::nan("");
   }
   return message;
 }
 
 msg::RegimeState MakeRegime(const Moment& moment) {
   auto message = WithJoints<msg::RegimeState>(moment);
-  message.state_tick(moment.tick);
-  for (std::size_t j = 0; j < message.joint_count(); ++j) {
-    message.phase()[j] = msg::PHASE_EXECUTION;
-    message.regime()[j] = msg::REGIME_SEA;
-    message.play_angle_rad()[j] = 0.5 * kBacklash_rad;
-    message.backlash_rad()[j] = kBacklash_rad;
-    message.confidence()[j] = 1.0;
+  message.state_tick = moment.tick;
+  for (std::size_t j = 0; j < message.joint_count; ++j) {
+    message.phase[j] = msg::RegimePhase::kExecution;
+    message.regime[j] = msg::RegimeKind::kSea;
+    message.play_angle_rad[j] = 0.5 * kBacklash_rad;
+    message.backlash_rad[j] = kBacklash_rad;
+    message.confidence[j] = 1.0;
   }
   return message;
 }
 
 msg::TorquePrediction MakeTorquePrediction(const Moment& moment) {
   auto message = WithJoints<msg::TorquePrediction>(moment);
-  message.state_tick(moment.tick);
-  message.reference_tick(moment.tick);
-  for (std::size_t j = 0; j < message.joint_count(); ++j) {
-    message.torque_Nm()[j] = message.sea_torque_Nm()[j] = message.pea_torque_Nm()[j] =
-        kPrediction_Nm;
-    message.valid()[j] = true;
+  message.state_tick = moment.tick;
+  message.reference_tick = moment.tick;
+  for (std::size_t j = 0; j < message.joint_count; ++j) {
+    message.torque_Nm[j] = message.sea_torque_Nm[j] = message.pea_torque_Nm[j] = kPrediction_Nm;
+    message.valid[j] = true;
   }
   return message;
 }
@@ -126,10 +125,10 @@ msg::Readout MakeReadout(const Moment&) { return {}; }
 
 msg::JointCommand MakeJointCommand(const Moment& moment) {
   auto message = WithJoints<msg::JointCommand>(moment);
-  message.reference_tick(moment.tick);
-  for (std::size_t j = 0; j < message.joint_count(); ++j) {
-    message.mode()[j] = msg::COMMAND_TORQUE;
-    message.motor_torque_Nm()[j] = kOtherMotorTorque_Nm;
+  message.reference_tick = moment.tick;
+  for (std::size_t j = 0; j < message.joint_count; ++j) {
+    message.mode[j] = msg::CommandMode::kTorque;
+    message.motor_torque_Nm[j] = kOtherMotorTorque_Nm;
   }
   return message;
 }
@@ -146,15 +145,15 @@ msg::AdaptationState MakeAdaptationState(const Moment&) { return {}; }
 
 msg::MotionRequest MakeMotionRequest(const Moment& moment) {
   auto message = WithJoints<msg::MotionRequest>(moment);
-  message.requester("conform");
+  message.requester = "conform";
   return message;
 }
 
 msg::SimTruth MakeSimTruth(const Moment& moment) {
   auto message = WithJoints<msg::SimTruth>(moment);
-  for (std::size_t j = 0; j < message.joint_count(); ++j) {
-    message.play_angle_rad()[j] = 0.5 * kBacklash_rad;
-    message.backlash_rad()[j] = kBacklash_rad;
+  for (std::size_t j = 0; j < message.joint_count; ++j) {
+    message.play_angle_rad[j] = 0.5 * kBacklash_rad;
+    message.backlash_rad[j] = kBacklash_rad;
   }
   return message;
 }
@@ -162,11 +161,11 @@ msg::SimTruth MakeSimTruth(const Moment& moment) {
 template <auto make>
 node::Bytes Encoded(std::string_view topic, const Moment& moment) {
   auto message = make(moment);
-  message.header().session_id(topic == moment.foreign ? kForeignSession : moment.session_id);
-  message.header().tick(moment.tick);
-  message.header().stamp_ns(
-      static_cast<std::int64_t>(kNs_s * static_cast<double>(moment.tick) * moment.period_s));
-  message.header().origin(topic == moment.replayed ? msg::ORIGIN_REPLAY : msg::ORIGIN_SIM);
+  message.header.session_id = topic == moment.foreign ? kForeignSession : moment.session_id;
+  message.header.tick = moment.tick;
+  message.header.stamp_ns =
+      static_cast<std::int64_t>(kNs_s * static_cast<double>(moment.tick) * moment.period_s);
+  message.header.origin = topic == moment.replayed ? msg::Origin::kReplay : msg::Origin::kSim;
   node::Bytes bytes;
   if (!node::Encode(message, &bytes)) throw std::logic_error("a played message does not encode");
   return bytes;

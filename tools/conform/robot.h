@@ -20,7 +20,7 @@ struct Moment {
   std::uint64_t session_id = 0, tick = 0;
   double period_s = 0.0;
   int joints = 1;
-  msg::RobotState robot_state = msg::ROBOT_DISARMED;
+  msg::RobotState robot_state = msg::RobotState::kDisarmed;
   bool last_tick = false;
   bool valve_open = false;             // the contact of the valves
   bool positions_are_nan = false;      // of joint_state, marked valid

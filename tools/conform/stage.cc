@@ -128,7 +128,7 @@ void Stage::PublishTick(const Moment& like) {
     (void)writer->second(bytes.data(), bytes.size());
   }
   damaged_.clear();
-  node_.SetCycle(session_id_, moment.tick, 0, msg::ORIGIN_SIM);
+  node_.SetCycle(session_id_, moment.tick, 0, msg::Origin::kSim);
 }
 
 void Stage::Collect(Window* window) {
@@ -217,13 +217,13 @@ bool Stage::WaitUntil(const std::function<bool()>& condition, microseconds limit
 
 void Stage::Send(msg::OperatorAction action, const std::string& target) {
   msg::OperatorCommand command;
-  command.header().session_id(session_id_);
-  command.header().tick(next_tick_);
-  command.header().origin(msg::ORIGIN_SIM);
-  command.action(action);
-  command.reason("conform");
-  command.role(role_.name);
-  command.target(target);
+  command.header.session_id = session_id_;
+  command.header.tick = next_tick_;
+  command.header.origin = msg::Origin::kSim;
+  command.action = action;
+  command.reason = "conform";
+  command.role = role_.name;
+  command.target = target;
   (void)operator_.Write(command);
 }
 
@@ -233,7 +233,7 @@ void Stage::Damage(const std::string& topic, Damaging damaging) {
 
 std::optional<msg::ComponentStatus> Stage::status() {
   while (auto status = statuses_.TakeNext()) {
-    if (status->name().to_string() == options_.subject) status_ = *status;
+    if (status->name == options_.subject) status_ = *status;
   }
   return status_;
 }

@@ -157,7 +157,7 @@ void ScaleBody(const JointModel& joint, const BodyTerms& terms, double gravity_m
 DescribedJoint DescribeJoint(const JointModel& joint) {
   DescribedJoint out;
   out.name = joint.name;
-  out.prismatic = joint.kind == types::JointKind::kLinear;
+  out.prismatic = joint.kind == types::JointKind::kPrismatic;
   out.gear_ratio = joint.constants.gear_ratio;
   out.motor_torque_limit_Nm = joint.motor_torque_limit_Nm;
   for (std::size_t i = 0; i < joint.terms.size(); ++i) {
@@ -283,7 +283,7 @@ std::vector<Dropped> DroppedBy(Format format, const actuator::RobotModel& robot)
           {joint.name, term.effect->info().name, ParametersOf(term, joint.kind), place});
     }
     if (joint.backlash_rad > 0.0) {
-      const bool rotary = joint.kind == types::JointKind::kRotary;
+      const bool rotary = joint.kind == types::JointKind::kRevolute;
       dropped.push_back(
           {joint.name, "backlash",
            (rotary ? "backlash_rad = " : "backlash_m = ") + ShortNumber(joint.backlash_rad),

@@ -2,8 +2,8 @@
 """The topics: reads the first table of idl/README.md, a row per topic, and the structs of the idl files it names.
 
 Usage: topics.py README.md subjects      prints the idl files (without .idl), those they include first
-       topics.py README.md headers DIR   writes DIR/topic_list.h, DIR/all_messages.h, DIR/all_codecs.h,
-                                         DIR/all_checks.h and DIR/topic_parties.h
+       topics.py README.md messages DIR  writes DIR/FILE.h of each idl file: its enumerations and plain structs
+       topics.py README.md headers DIR   writes DIR/topic_list.h, DIR/all_messages.h and DIR/topic_parties.h
        topics.py README.md types FILE    writes a header for C: the registered name of every topic's type
 """
 import os
@@ -126,7 +126,7 @@ def topic_list(topics, commands):
     lines = [GENERATED, "// Included by components/topics/node/topics.h: a constant per topic.", "#pragma once", "",
              "#include <array>", "#include <string_view>", "",
              '#include "components/topics/node/topic.h"', "", "namespace sinew::msg {"]
-    lines += [f"class {type_};" for type_ in types]
+    lines += [f"struct {type_};" for type_ in types]
     lines += ["}  // namespace sinew::msg", "", "namespace sinew::node {", ""]
     lines += [f"inline constexpr Topic<msg::{topic.type}> {topic.constant}{{\"{topic.name}\", "
               f"Profile::{camel(topic.profile)}}};" for topic in topics]
@@ -163,60 +163,86 @@ def topic_parties(topics):
     return "\n".join(lines + ["}  // namespace sinew::node", ""])
 
 
-def all_codecs(files):
-    lines = [GENERATED, "// The types that encode and decode every message. Internal to this module.",
-             "#pragma once", ""]
-    return "\n".join(lines + [f"#include <sinew_idl/{file}PubSubTypes.h>" for file in files] + [""])
-
-
-FIELD = re.compile(r"^\s*(?:@key\s+)?(sequence<\s*\w+(?:\s+\w+)*\s*,\s*(?P<most>\d+)\s*>|string<\s*(?P<longest>\d+)\s*>|"
-                   r"(?P<type>\w+(?:\s+\w+)*))\s+(?P<name>\w+)(?:\[(?P<size>\d+)\])?\s*;", re.M)
+SCALARS = {"boolean": "bool", "octet": "std::uint8_t", "short": "std::int16_t", "unsigned short": "std::uint16_t",
+           "long": "std::int32_t", "unsigned long": "std::uint32_t", "long long": "std::int64_t",
+           "unsigned long long": "std::uint64_t", "float": "float", "double": "double"}
+FIELD = re.compile(r"(?P<key>@key\s+)?(?:sequence<\s*(?P<element>\w[\w\s]*?)\s*,\s*(?P<most>\d+)\s*>|string<\s*(?P<longest>\d+)\s*>|"
+                   r"(?P<type>\w[\w\s]*?))\s+(?P<name>\w+)(?:\[(?P<size>\d+)\])?")
 
 
 def without_comments(text):
     return re.sub(r"//.*", "", text)
 
 
-def check_of(struct, body, enums, structs):
-    """The function that says whether every number of a message has a meaning."""
-    fields = [field.groupdict() for field in FIELD.finditer(body)]
-    sizes = [int(field["size"]) for field in fields if field["size"]]
-    conditions = []
+def fields_of(path, struct, body, types):
+    """(name, C++ type, most, key) of every field; most: of a count, a sequence or a text, 0: not bounded."""
+    fields, sizes = [], []
+    for member in filter(None, (" ".join(member.split()) for member in body.split(";"))):
+        field = FIELD.fullmatch(member)
+        if not field:
+            sys.exit(f"{path}: struct {struct}: '{member}', expected a type and a name")
+        element = field["element"] or field["type"]
+        if element and element not in types:
+            sys.exit(f"{path}: struct {struct}: no type '{element}'")
+        kind, most = types.get(element), 0
+        if field["element"]:
+            kind, most = f"std::vector<{kind}>", int(field["most"])
+        elif field["longest"]:
+            kind, most = "std::string", int(field["longest"])
+        elif field["size"]:
+            kind = f"std::array<{kind}, {field['size']}>"
+            sizes.append(int(field["size"]))
+        fields.append([field["name"], kind, most, field["key"] is not None])
     for field in fields:
-        value = f"m.{field['name']}()"
-        if field["most"] or field["longest"]:
-            conditions.append(f"{value}.size() <= {field['most'] or field['longest']}")
-        elif field["type"] in enums:
-            conditions.append(f"Named({value}, {len(enums[field['type']])})")
-        elif field["type"] in structs:
-            conditions.append(f"HasMeaning({value})")
-        elif field["type"] == "octet" and field["name"].endswith("_count") and sizes:
-            conditions.append(f"{value} <= {min(sizes)}")
-    unused = "" if conditions else "[[maybe_unused]] "
-    body = " &&\n         ".join(conditions or ["true"])
-    return f"inline bool HasMeaning({unused}const msg::{struct}& m) {{\n  return {body};\n}}\n"
+        if field[1] == "std::uint8_t" and field[0].endswith("_count") and sizes:
+            field[2] = min(sizes)
+    return fields
 
 
-def all_checks(readme, files):
-    folder, enums, structs, functions = os.path.dirname(os.path.abspath(readme)), {}, [], []
+def enum_of(name, values):
+    """Its names are those of the idl without the words that all begin with: ROBOT_ARMED is kArmed, for people "armed"."""
+    words = [value.split("_") for value in values]
+    shared = len(os.path.commonprefix([each[:-1] for each in words]))
+    names = ["_".join(each[shared:]) for each in words]
+    texts = ", ".join(f'"{each.lower()}"' for each in names)
+    return [f"enum class {name} : std::uint32_t {{ {', '.join(map(camel, names))} }};",
+            f"constexpr std::uint32_t CountOf({name}) noexcept {{ return {len(values)}; }}  // enumerators",
+            f"constexpr const char* NameOf({name} value) noexcept {{",
+            f"  constexpr const char* kNames[] = {{{texts}}};",
+            f'  return value < {name}{{{len(values)}}} ? kNames[static_cast<std::size_t>(value)] : "unknown";', "}", ""]
+
+
+def struct_of(name, fields):
+    lines = [f"struct {name} {{"] + [f"  {kind} {field}{{}};" for field, kind, _, _ in fields]
+    keys = [field for field, _, _, key in fields if key]
+    lines += ["", f'  static constexpr std::string_view kIdlName = "sinew::msg::{name}";',
+              f'  static constexpr std::string_view kKey = "{"".join(keys)}";  // the field that is the key; empty: none',
+              f"  bool operator==(const {name}&) const = default;", "  template <class Message, class Visit>",
+              "  static void Fields(Message& message, Visit&& visit) {"]
+    lines += [f'    visit("{field}", message.{field}, {most});' for field, _, most, _ in fields]
+    return "\n".join(lines + ["  }", "};", ""])
+
+
+def messages(readme, files):
+    """For each idl file its header: enumerations and plain structs, whose Fields calls a visitor for every field."""
+    folder, types, headers = os.path.dirname(os.path.abspath(readme)), dict(SCALARS), {}
     for file in files:
-        text = without_comments(read(os.path.join(folder, file + ".idl")))
-        for name, values in re.findall(r"\benum\s+(\w+)\s*{(.*?)}", text, re.S):
-            enums[name] = [value for value in re.split(r"[\s,]+", values) if value]
-        for name, body in re.findall(r"\bstruct\s+(\w+)\s*{(.*?)}", text, re.S):
-            functions.append(check_of(name, body, enums, structs))
-            structs.append(name)
-    lines = [GENERATED, "// Whether a decoded message means something: its enumerators have names, its counts fit their arrays,",
-             "// its texts and sequences their bounds. Internal to this module.", "#pragma once", "",
-             "#include <algorithm>", "#include <array>", "#include <cstddef>", "#include <cstdint>", "",
-             '#include "components/topics/node/all_messages.h"', "", "namespace sinew::node::internal {", "",
-             "template <class Enum>", "bool Named(Enum value, std::uint32_t names) {",
-             "  return static_cast<std::uint32_t>(value) < names;", "}",
-             "template <class Enum, std::size_t n>",
-             "bool Named(const std::array<Enum, n>& values, std::uint32_t names) {",
-             "  return std::all_of(values.begin(), values.end(), [names](Enum value) { return Named(value, names); });",
-             "}", ""]
-    return "\n".join(lines + functions + ["", "}  // namespace sinew::node::internal", ""])
+        path = os.path.join(folder, file + ".idl")
+        text = without_comments(read(path))
+        lines = [f"// Generated from idl/{file}.idl, which has meaning and units, by tools/idl/topics.py.",
+                 "// NameOf: an enumerator as people read it; \"unknown\": a number without a name.",
+                 "// Fields calls visit(name, field, most) for every field in turn. most: the largest value of a count, the most",
+                 "// elements of a sequence or bytes of a text; 0: not bounded.", "#pragma once", "", "#include <array>",
+                 "#include <cstddef>", "#include <cstdint>", "#include <string>", "#include <string_view>", "#include <vector>", ""]
+        lines += [f"#include <sinew_idl/{inner}.h>" for inner in includes(path)] + ["", "namespace sinew::msg {", ""]
+        for kind, name, body in re.findall(r"\b(enum|struct)\s+(\w+)\s*{(.*?)}", text, re.S):
+            types[name] = name
+            if kind == "enum":
+                lines += enum_of(name, re.findall(r"\w+", body))
+            else:
+                lines += [struct_of(name, fields_of(path, name, body, types))]
+        headers[file] = "\n".join(lines + ["}  // namespace sinew::msg", ""])
+    return headers
 
 
 def topic_types(readme, topics):
@@ -250,10 +276,12 @@ def main():
         return
     folder = sys.argv[3]
     os.makedirs(folder, exist_ok=True)
+    if what == "messages":
+        for file, header in messages(readme, files).items():
+            write(os.path.join(folder, file + ".h"), header)
+        return
     write(os.path.join(folder, "topic_list.h"), topic_list(topics, commanding(readme, topics)))
     write(os.path.join(folder, "all_messages.h"), all_messages(files, topics))
-    write(os.path.join(folder, "all_codecs.h"), all_codecs(files))
-    write(os.path.join(folder, "all_checks.h"), all_checks(readme, files))
     write(os.path.join(folder, "topic_parties.h"), topic_parties(topics))
 
 

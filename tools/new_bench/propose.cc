@@ -76,7 +76,7 @@ std::optional<Signal> Refined(std::optional<Signal> signal, const std::vector<st
 }
 
 Quantity QuantityOf(std::optional<Signal> signal) {
-  return signal ? recording::QuantityOf(*signal, types::JointKind::kRotary) : Quantity::kTime;
+  return signal ? recording::QuantityOf(*signal, types::JointKind::kRevolute) : Quantity::kTime;
 }
 
 // A unit at the end of a name: "rad_s", "A", "[deg]". The longest counts.
@@ -105,7 +105,7 @@ void Assume(const Eigen::VectorXd& values, Column* column) {
     column->unit = "deg";
     column->why = "deg assumed: its values span more than two turns of radians";
   } else {
-    column->unit = types::SignalUnit(*column->signal, types::JointKind::kRotary);
+    column->unit = types::SignalUnit(*column->signal, types::JointKind::kRevolute);
     column->why = column->unit + " assumed: its name has no unit";
   }
 }

@@ -80,7 +80,7 @@ std::vector<Session> SessionsOf(const recording::McapReader& reader, const std::
         throw UsageError(file + ": the joint_state of tick " + std::to_string(head.tick) +
                          " cannot be decoded");
       }
-      sessions.push_back({head.session_id, head.tick, head.tick, 0, state.period_s()});
+      sessions.push_back({head.session_id, head.tick, head.tick, 0, state.period_s});
     }
     sessions.back().last_tick = head.tick;
     ++sessions.back().states;

@@ -44,11 +44,11 @@ class Asker {
     const auto end = SnapshotClock::now() + std::chrono::duration<double>(options_.timeout_s);
     std::set<std::string> answered;
     while (SnapshotClock::now() < end) {
-      if (auto newest = states_.TakeLatest()) state_ = std::move(newest);
+      if (auto newest = states_.TakeLatest()) state_ = newest;
       if (!asked_tick_ && state_ && requests_.matched_readers() > 0) Send();
       while (const auto part = answers_.TakeNext()) {
-        if (asked_tick_ && part->header().tick() >= *asked_tick_) {
-          answered.insert(part->name().to_string());
+        if (asked_tick_ && part->header.tick >= *asked_tick_) {
+          answered.insert(part->name);
         }
       }
       if (answered.contains(options_.name)) break;
@@ -64,11 +64,11 @@ class Asker {
  private:
   void Send() {
     msg::SnapshotRequest request;
-    request.header(state_->header());
-    request.name(options_.name);
-    request.after_tick(options_.after_tick);
+    request.header = state_->header;
+    request.name = options_.name;
+    request.after_tick = options_.after_tick;
     if (requests_.Write(request) == node::WriteStatus::kOk) {
-      asked_tick_ = std::max(options_.after_tick, state_->header().tick());
+      asked_tick_ = std::max(options_.after_tick, state_->header.tick);
     }
   }
 

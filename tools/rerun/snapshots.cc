@@ -29,14 +29,14 @@ std::map<std::string, Snapshot> SnapshotsUpTo(const recording::McapReader& reade
   while (messages.Next(&message)) {
     msg::ComponentSnapshot part;
     if (!node::Decode({message.data.begin(), message.data.end()}, &part)) continue;
-    if (part.header().session_id() != session.id || part.header().tick() > last_tick) continue;
-    const std::string name = part.name().to_string();
+    if (part.header.session_id != session.id || part.header.tick > last_tick) continue;
+    const std::string name = part.name;
     Gathered& now = gathered[name];
-    if (part.part() == 0) now = {{part.header().tick(), part.version(), {}}, 0};
-    if (part.part() != now.next_part || part.header().tick() != now.snapshot.tick) continue;
-    const auto* begin = reinterpret_cast<const std::byte*>(part.content().data());
-    now.snapshot.content.insert(now.snapshot.content.end(), begin, begin + part.content().size());
-    if (++now.next_part == part.part_count()) whole[name] = std::move(now.snapshot);
+    if (part.part == 0) now = {{part.header.tick, part.version, {}}, 0};
+    if (part.part != now.next_part || part.header.tick != now.snapshot.tick) continue;
+    const auto* begin = reinterpret_cast<const std::byte*>(part.content.data());
+    now.snapshot.content.insert(now.snapshot.content.end(), begin, begin + part.content.size());
+    if (++now.next_part == part.part_count) whole[name] = std::move(now.snapshot);
   }
   return whole;
 }

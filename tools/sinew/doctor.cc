@@ -88,17 +88,17 @@ class Heard {
     const std::lock_guard lock(mutex_);
     // component_status is latched: the first one of a writer may be old.
     const auto [at, from_history] = participants_.try_emplace(ParticipantOf(sample.writer));
-    const std::string host = status.host().to_string();
+    const std::string host = status.host;
     samples_.push_back({host, sample.source_stamp_ns, sample.reception_stamp_ns, from_history});
     Participant& participant = at->second;
-    if (participant.session != status.header().session_id()) {
-      participant = {status.name().to_string(), host, status.header().session_id(),
-                     status.header().tick(), status.missed_ticks()};
+    if (participant.session != status.header.session_id) {
+      participant = {status.name, host, status.header.session_id, status.header.tick,
+                     status.missed_ticks};
     }
-    participant.ticks = status.header().tick() - participant.first_tick;
-    participant.missed = status.missed_ticks() - participant.first_missed;
-    participant.received = status.received_datagrams();
-    participant.refused = status.refused_datagrams();
+    participant.ticks = status.header.tick - participant.first_tick;
+    participant.missed = status.missed_ticks - participant.first_missed;
+    participant.received = status.received_datagrams;
+    participant.refused = status.refused_datagrams;
   }
 
   // A message of every cycle.

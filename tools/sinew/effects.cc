@@ -97,7 +97,7 @@ void RunEffects(const EffectsOptions& options) {
     throw UsageError("effect '" + options.name + "': unknown, expected one of " +
                      types::Joined(names));
   }
-  const JointKind kind = options.kind == "linear" ? JointKind::kLinear : JointKind::kRotary;
+  const JointKind kind = options.kind == "linear" ? JointKind::kPrismatic : JointKind::kRevolute;
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
   std::size_t width = 0;
   for (const std::string& name : names) width = std::max(width, name.size());

@@ -45,7 +45,7 @@ inspect::Graph ListenForGraph(const GraphOptions& options) {
   while (GraphClock::now() < end) {
     node.WaitForData(std::chrono::milliseconds(50));
     while (const auto status = statuses.TakeNext()) {
-      hosts[statuses.writer()] = status->host().to_string();
+      hosts[statuses.writer()] = status->host;
     }
   }
   std::map<std::string, std::string> by_participant;

@@ -89,7 +89,7 @@ class Handover {
       // Strengths alone do not say it: the others may not have been discovered yet, and who was
       // silent for a moment went below them again.
       const std::map<std::string, bool> topics = TopicsOf(node_, options_.target);
-      if (!sent || target_->standby() || !HeardOfAll(topics) || !Obeyed(topics)) {
+      if (!sent || target_->standby || !HeardOfAll(topics) || !Obeyed(topics)) {
         heard_since.reset();
       } else if (!heard_since) {
         heard_since = Clock::now();
@@ -120,10 +120,10 @@ class Handover {
 
  private:
   void Listen() {
-    if (auto newest = states_.TakeLatest()) state_ = std::move(newest);
+    if (auto newest = states_.TakeLatest()) state_ = newest;
     if (auto newest = sources_.TakeLatest()) source_ = std::move(newest);
     while (auto status = statuses_.TakeNext()) {
-      if (status->name().to_string() == options_.target) target_ = *status;
+      if (status->name == options_.target) target_ = *status;
     }
   }
 
@@ -131,33 +131,33 @@ class Handover {
   // decides by itself whom it hears.
   bool Obeyed(const std::map<std::string, bool>& topics) const {
     const msg::CommandSource source = source_.value_or(msg::CommandSource());
-    const auto by = [&](std::string_view topic, const auto& participant) {
-      return !topics.contains(std::string(topic)) || participant.to_string() == options_.target;
+    const auto by = [&](std::string_view topic, const std::string& participant) {
+      return !topics.contains(std::string(topic)) || participant == options_.target;
     };
-    return by(node::kJointCommand.name, source.joint_command_participant()) &&
-           by(node::kValveCommand.name, source.valve_command_participant());
+    return by(node::kJointCommand.name, source.joint_command_participant) &&
+           by(node::kValveCommand.name, source.valve_command_participant);
   }
 
   // A reason against the handover that no waiting changes; empty: none.
   std::string NotToBe() const {
     if (!target_) return "";
-    const std::string kind = target_->component_kind().to_string();
+    const std::string kind = target_->component_kind;
     if (kind != options_.role) {
       return "'" + options_.target + "' has the role '" + kind + "', not '" + options_.role + "'";
     }
-    if (target_->state() == msg::COMPONENT_FAULT) {
-      return "'" + options_.target + "' is in fault: " + target_->message().to_string();
+    if (target_->state == msg::ComponentState::kFault) {
+      return "'" + options_.target + "' is in fault: " + target_->message;
     }
     return "";
   }
 
   bool Send() {
     msg::OperatorCommand command;
-    command.header(state_->header());
-    command.action(msg::OPERATOR_HANDOVER);
-    command.reason("handover");
-    command.role(options_.role);
-    command.target(options_.target);
+    command.header = state_->header;
+    command.action = msg::OperatorAction::kHandover;
+    command.reason = "handover";
+    command.role = options_.role;
+    command.target = options_.target;
     return commands_.Write(command) == node::WriteStatus::kOk;
   }
 

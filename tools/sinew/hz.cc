@@ -36,7 +36,7 @@ using inspect::RateMeter;
 using inspect::RateSummary;
 using inspect::Spread;
 
-constexpr std::int64_t kReplayOrigin = 2;      // msg::ORIGIN_REPLAY
+constexpr auto kReplayOrigin = static_cast<std::int64_t>(msg::Origin::kReplay);
 constexpr std::uint64_t kLockstepDepth = 256;  // history of the profile "lockstep"
 
 struct HzOptions {

@@ -31,7 +31,6 @@
 #include "components/topics/node/matching.h"
 #include "components/topics/node/node.h"
 #include "components/topics/node/time_option.h"
-#include "components/topics/wire/component_state.h"
 #include "tools/inspect/peer_checks.h"
 #include "tools/inspect/topic_table.h"
 #include "tools/sinew/node_options.h"
@@ -149,9 +148,9 @@ Json DescribeDomain(const ListOptions& options) {
   const auto end = Clock::now() + std::chrono::duration<double>(options.wait_s);
   while (Clock::now() < end) {
     while (auto status = statuses.TakeNext()) {
-      const std::string name = status->name().to_string();
+      const std::string name = status->name;
       if (name == options.node.name) continue;
-      components[{name, status->host().to_string(), status->process_id()}] = *status;
+      components[{name, status->host, status->process_id}] = *status;
     }
     node.WaitForData(milliseconds(50));
   }
@@ -169,27 +168,26 @@ Json DescribeDomain(const ListOptions& options) {
       problems.push_back("several participants are named '" + name + "'; give each its own --name");
     }
     report["participants"].push_back({{"name", name},
-                                      {"state", wire::NameOf(status.state())},
-                                      {"standby", status.standby()},
-                                      {"process_id", status.process_id()},
-                                      {"host", status.host().to_string()},
-                                      {"version", status.version().to_string()},
-                                      {"idl_hash", status.idl_hash().to_string()},
-                                      {"cycles", status.cycles()},
-                                      {"stale_inputs", status.stale_inputs()},
-                                      {"missed_ticks", status.missed_ticks()},
-                                      {"write_failures", status.write_failures()},
-                                      {"received_datagrams", status.received_datagrams()},
-                                      {"refused_datagrams", status.refused_datagrams()},
-                                      {"resident_MB", status.resident_MB()},
-                                      {"message", status.message().to_string()}});
-    if (status.idl_hash().to_string() != own_hash) {
-      problems.push_back("'" + name + "' was built with other topics (hash " +
-                         status.idl_hash().to_string() + ", this build " + own_hash +
-                         "): rebuild one of them");
+                                      {"state", NameOf(status.state)},
+                                      {"standby", status.standby},
+                                      {"process_id", status.process_id},
+                                      {"host", status.host},
+                                      {"version", status.version},
+                                      {"idl_hash", status.idl_hash},
+                                      {"cycles", status.cycles},
+                                      {"stale_inputs", status.stale_inputs},
+                                      {"missed_ticks", status.missed_ticks},
+                                      {"write_failures", status.write_failures},
+                                      {"received_datagrams", status.received_datagrams},
+                                      {"refused_datagrams", status.refused_datagrams},
+                                      {"resident_MB", status.resident_MB},
+                                      {"message", status.message}});
+    if (status.idl_hash != own_hash) {
+      problems.push_back("'" + name + "' was built with other topics (hash " + status.idl_hash +
+                         ", this build " + own_hash + "): rebuild one of them");
     }
-    if (status.state() == msg::COMPONENT_FAULT) {
-      problems.push_back("'" + name + "' is in fault: " + status.message().to_string());
+    if (status.state == msg::ComponentState::kFault) {
+      problems.push_back("'" + name + "' is in fault: " + status.message);
     }
   }
 

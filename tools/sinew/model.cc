@@ -44,7 +44,7 @@ void PrintText(const RobotModel& robot) {
   std::cout << robot.name << '\n';
   for (const JointModel& joint : robot.joints) {
     std::cout << "joint " << joint.name << " ("
-              << (joint.kind == types::JointKind::kRotary ? "rotary" : "linear") << ")\n";
+              << (joint.kind == types::JointKind::kRevolute ? "rotary" : "linear") << ")\n";
     for (const Term& term : joint.terms) {
       std::cout << "  " << term.effect->info().name << (term.declared ? "" : " (added)") << ": "
                 << term.effect->info().formula << '\n';
@@ -90,7 +90,7 @@ nlohmann::ordered_json ToJson(const JointModel& joint) {
                        {"note", entry.note}});
   }
   return {{"name", joint.name},
-          {"kind", joint.kind == types::JointKind::kRotary ? "rotary" : "linear"},
+          {"kind", joint.kind == types::JointKind::kRevolute ? "rotary" : "linear"},
           {"terms", terms},
           {"history", history}};
 }

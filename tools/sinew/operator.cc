@@ -24,7 +24,6 @@
 #include "components/topics/isolation/isolation.h"
 #include "components/topics/node/node.h"
 #include "components/topics/node/time_option.h"
-#include "components/topics/wire/wire.h"
 #include "tools/sinew/node_options.h"
 
 namespace sinew::tools {
@@ -51,32 +50,16 @@ struct OperatorOptions {
   std::vector<std::string> sockets;  // estop
 };
 
-const char* StateName(msg::RobotState state) {
-  switch (state) {
-    case msg::ROBOT_DISARMED:
-      return "disarmed";
-    case msg::ROBOT_ARMED:
-      return "armed";
-    case msg::ROBOT_DAMPED:
-      return "damped";
-    case msg::ROBOT_FAULT:
-      return "fault";
-    case msg::ROBOT_ESTOPPED:
-      return "estopped";
-  }
-  return "unknown";
-}
-
 // The provider's refusal, in its status, of an arm that was sent at this time of its session;
 // empty: none. Its status is latched, and may still be of an earlier one.
 std::string RefusalIn(node::Reader<msg::ComponentStatus>& statuses, const msg::Header& sent) {
   std::string refusal;
   while (const auto status = statuses.TakeNext()) {
-    const std::string message = status->message().to_string();
-    const bool is_of_this = status->header().session_id() == sent.session_id() &&
-                            status->header().tick() >= sent.tick();
+    const std::string message = status->message;
+    const bool is_of_this =
+        status->header.session_id == sent.session_id && status->header.tick >= sent.tick;
     if (is_of_this && message.starts_with("arm refused")) {
-      refusal = status->name().to_string() + ": " + message;
+      refusal = status->name + ": " + message;
     }
   }
   return refusal;
@@ -93,10 +76,11 @@ std::string Why(const Request& request, const std::optional<msg::JointState>& st
     return "the robot is heard, but nobody takes commands of this process: its key, or the role of "
            "its certificate (--key, --qos)";
   }
-  const std::string now = StateName(state->robot_state());
-  if (request.action == msg::OPERATOR_ARM &&
-      (state->robot_state() == msg::ROBOT_FAULT || state->robot_state() == msg::ROBOT_ESTOPPED)) {
-    const std::string fault = types::FaultText(wire::FromWire(state->fault()));
+  const std::string now = NameOf(state->robot_state);
+  if (request.action == msg::OperatorAction::kArm &&
+      (state->robot_state == msg::RobotState::kFault ||
+       state->robot_state == msg::RobotState::kEstopped)) {
+    const std::string fault = types::FaultText(types::FromMessage(state->fault));
     return "the robot is in '" + now + "'" + (fault.empty() ? "" : ": " + fault) +
            "; then 'sinew reset'";
   }
@@ -146,7 +130,7 @@ LocalEstop AnswerOf(std::vector<Pressed> pressed, bool named) {
 
 void RunOperator(const Request& request, OperatorOptions options) {
   std::vector<Pressed> pressed;  // their answers wait until DDS has the estop as well
-  if (request.action == msg::OPERATOR_ESTOP) {
+  if (request.action == msg::OperatorAction::kEstop) {
     pressed = PressLocally(options);
   }
   options.node.component = "operator";
@@ -162,7 +146,7 @@ void RunOperator(const Request& request, OperatorOptions options) {
   auto states = node.MakeReader(node::kJointState);
   auto commands = node.MakeWriter(node::kOperatorCommand);
   std::optional<node::Reader<msg::ComponentStatus>> statuses;
-  if (request.action == msg::OPERATOR_ARM)
+  if (request.action == msg::OperatorAction::kArm)
     statuses.emplace(node.MakeReader(node::kComponentStatus));
   std::string refusal;
   msg::Header first_sent;  // what an arm is sent with
@@ -173,18 +157,18 @@ void RunOperator(const Request& request, OperatorOptions options) {
   bool sent = false, done = false;
   while (!done && refusal.empty() && Clock::now() < end) {
     if (sent && statuses) refusal = RefusalIn(*statuses, first_sent);
-    if (auto newest = states.WaitNext(milliseconds(20))) state = std::move(newest);
+    if (auto newest = states.WaitNext(milliseconds(20))) state = newest;
     if (state && sent) {
-      done = std::find(request.reached.begin(), request.reached.end(), state->robot_state()) !=
+      done = std::find(request.reached.begin(), request.reached.end(), state->robot_state) !=
              request.reached.end();
     }
     const bool may_send = commands.matched_readers() > 0 && (state || !request.needs_session);
     if (done || !may_send || Clock::now() < next_send) continue;
     msg::OperatorCommand command;
-    if (state) command.header(state->header());
-    if (!sent) first_sent = command.header();
-    command.action(request.action);
-    command.reason(options.reason.substr(0, 63));
+    if (state) command.header = state->header;
+    if (!sent) first_sent = command.header;
+    command.action = request.action;
+    command.reason = options.reason.substr(0, 63);
     sent = commands.Write(command) == node::WriteStatus::kOk || sent;
     next_send = Clock::now() + kRepeat;
   }
@@ -195,7 +179,7 @@ void RunOperator(const Request& request, OperatorOptions options) {
                                              : Why(request, state, sent, options.node.domain_id);
   if (options.json) {
     nlohmann::ordered_json report = {{"action", request.name}, {"done", done}};
-    if (state) report["robot_state"] = StateName(state->robot_state());
+    if (state) report["robot_state"] = NameOf(state->robot_state);
     if (!local.socket.empty()) {
       report["socket"] = {
           {"path", local.socket.string()}, {"idle", local.idle}, {"latched", local.latched}};
@@ -203,7 +187,7 @@ void RunOperator(const Request& request, OperatorOptions options) {
     if (!done) report["why"] = why;
     std::cout << types::JsonText(report) << '\n';
   } else if (done) {
-    std::cout << "robot is " << StateName(state->robot_state()) << '\n';
+    std::cout << "robot is " << NameOf(state->robot_state) << '\n';
   }
   if (done) return;
   std::cerr << "sinew " << request.name << ": " << why << '\n';
@@ -224,7 +208,7 @@ void AddOne(CLI::App& app, const Request& request, const std::string& descriptio
   command->add_option("--timeout", options->timeout_s, "Seconds to wait for the robot's answer")
       ->check(node::IsTime(node::Zero::kRefused))
       ->capture_default_str();
-  if (request.action == msg::OPERATOR_ESTOP) {
+  if (request.action == msg::OperatorAction::kEstop) {
     command->add_option(
         "--socket", options->sockets,
         "Socket of a state provider on this host; by default all of them, or those of "
@@ -240,20 +224,21 @@ void AddOne(CLI::App& app, const Request& request, const std::string& descriptio
 }  // namespace
 
 void AddOperatorCommands(CLI::App& app) {
-  AddOne(app, {msg::OPERATOR_ARM, "arm", {msg::ROBOT_ARMED, msg::ROBOT_DAMPED}, true},
-         "Let the motors move",
-         "Bound to the session that runs now: a restarted robot is disarmed.");
+  AddOne(
+      app,
+      {msg::OperatorAction::kArm, "arm", {msg::RobotState::kArmed, msg::RobotState::kDamped}, true},
+      "Let the motors move", "Bound to the session that runs now: a restarted robot is disarmed.");
   AddOne(app,
-         {msg::OPERATOR_DISARM,
+         {msg::OperatorAction::kDisarm,
           "disarm",
-          {msg::ROBOT_DISARMED, msg::ROBOT_FAULT, msg::ROBOT_ESTOPPED},
+          {msg::RobotState::kDisarmed, msg::RobotState::kFault, msg::RobotState::kEstopped},
           false},
          "Motors off", "A robot in fault or estopped has its motors off already.");
-  AddOne(app, {msg::OPERATOR_ESTOP, "estop", {msg::ROBOT_ESTOPPED}, false},
+  AddOne(app, {msg::OperatorAction::kEstop, "estop", {msg::RobotState::kEstopped}, false},
          "Motors off and latched until reset",
          "By the socket of a state provider on this host, where there is one, and by DDS: repeated "
          "until the robot reports that it has stopped.");
-  AddOne(app, {msg::OPERATOR_RESET, "reset", {msg::ROBOT_DISARMED}, true},
+  AddOne(app, {msg::OperatorAction::kReset, "reset", {msg::RobotState::kDisarmed}, true},
          "From fault or estop to disarmed", "Arm it again afterwards.");
 }
 

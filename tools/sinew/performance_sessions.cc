@@ -74,8 +74,8 @@ class SessionReader {
   void Add(const node::Bytes& bytes, std::optional<Message> RecordedTick::*member) {
     Message message;
     if (!node::Decode(bytes, &message)) return;  // a lost message
-    const std::uint64_t session_id = message.header().session_id();
-    const std::uint64_t tick = message.header().tick();
+    const std::uint64_t session_id = message.header.session_id;
+    const std::uint64_t tick = message.header.tick;
     if (sessions_.empty() || sessions_.back().session_id != session_id) {
       for (RecordedSession& session : sessions_) {
         if (session.session_id != session_id) continue;
@@ -105,7 +105,7 @@ MeasuredSession MeasureSession(const std::string& name, const RecordedSession& s
     meter.Step({&*recorded.state, recorded.reference ? &*recorded.reference : nullptr,
                 recorded.actuator ? &*recorded.actuator : nullptr});
     if (!meter.unfit().empty()) throw UsageError(name + ": " + meter.unfit());
-    const double period_s = recorded.state->period_s();
+    const double period_s = recorded.state->period_s;
     if (!first) {
       first = tick;
       if (options.event_s) {

@@ -17,7 +17,6 @@
 #include "components/topics/node/endpoint.h"
 #include "components/topics/node/node.h"
 #include "components/topics/node/time_option.h"
-#include "components/topics/wire/wire.h"
 #include "tools/sinew/node_options.h"
 
 namespace sinew::tools {
@@ -66,7 +65,7 @@ class Permit {
     auto next_send = PermitClock::now();
     int sent = 0;
     while (PermitClock::now() < end) {
-      if (auto newest = states_.TakeLatest()) state_ = std::move(newest);
+      if (auto newest = states_.TakeLatest()) state_ = newest;
       const bool ready = Why().empty() && commands_.matched_readers() > 0;
       if (ready && PermitClock::now() >= next_send) {
         sent += Send() ? 1 : 0;
@@ -90,7 +89,7 @@ class Permit {
       return "'" + options_.target + "' is not the one whose reference is heard" + domain +
              (heard.empty() ? "" : ", that is '" + heard + "'");
     }
-    if (!types::MayMove(wire::FromWire(state_->robot_state()))) {
+    if (!types::MayMove(state_->robot_state)) {
       return "the robot is not armed; the permission ends with every disarm, so arm it first";
     }
     return "";
@@ -98,10 +97,10 @@ class Permit {
 
   bool Send() {
     msg::OperatorCommand command;
-    command.header(state_->header());
-    command.action(msg::OPERATOR_PERMIT_REPLAY);
-    command.reason(options_.reason.substr(0, 63));
-    command.target(options_.target);
+    command.header = state_->header;
+    command.action = msg::OperatorAction::kPermitReplay;
+    command.reason = options_.reason.substr(0, 63);
+    command.target = options_.target;
     return commands_.Write(command) == node::WriteStatus::kOk;
   }
 

@@ -41,7 +41,7 @@ std::vector<Scored> ScoreAll(const ScoreOptions& options) {
     if (runs.empty()) throw UsageError(file + ": no run of this joint, expected joint_state");
     for (const types::Run& run : runs) {
       try {
-        list.push_back({run.name, run.kind == types::JointKind::kLinear, run.clock_set_back_s,
+        list.push_back({run.name, run.kind == types::JointKind::kPrismatic, run.clock_set_back_s,
                         ScoreTracking(run, options.from_s)});
       } catch (const std::invalid_argument& error) {
         throw UsageError(file + ": " + error.what() +

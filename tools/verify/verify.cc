@@ -24,7 +24,7 @@ arm::Chain PointChain(const actuator::JointModel& joint) {
   body.link_name = "link";
   body.joint_name = joint.name;
   body.moves = true;
-  body.prismatic = joint.kind == types::JointKind::kLinear;
+  body.prismatic = joint.kind == types::JointKind::kPrismatic;
   body.axis = body.prismatic ? Eigen::Vector3d::UnitX() : Eigen::Vector3d(0.0, -1.0, 0.0);
   body.mass_kg = 1e-3;
   body.inertia_kg_m2 = 1e-6 * Eigen::Matrix3d::Identity();
@@ -72,7 +72,7 @@ class WorldBody final : public free_run::Body {
 };
 
 std::string Angle(types::JointKind kind) {
-  return kind == types::JointKind::kRotary ? "mrad" : "mm";
+  return kind == types::JointKind::kRevolute ? "mrad" : "mm";
 }
 
 double Mean(const std::vector<TrackingRun>& runs, bool after) {
@@ -215,7 +215,7 @@ std::string FormatJson(const Names& names, types::JointKind kind,
                        const free_run::FreeRunResult* following,
                        const std::vector<TrackingRun>& tracking) {
   using nlohmann::ordered_json;
-  const std::string unit = kind == types::JointKind::kRotary ? "rad" : "m";
+  const std::string unit = kind == types::JointKind::kRevolute ? "rad" : "m";
   ordered_json root = {{"before", names.before}, {"after", names.after}, {"added", names.added}};
   if (following != nullptr && following->errors) {
     const free_run::FreeRun& free = *following->errors;

@@ -23,7 +23,6 @@
 #include "components/topics/node/node.h"
 #include "components/topics/node/realtime.h"
 #include "components/topics/node/version.h"
-#include "components/topics/wire/component_state.h"
 #include "tools/view/operator_desk.h"
 #include "tools/view/participants.h"
 #include "tools/view/recorder_process.h"
@@ -64,21 +63,21 @@ Json RobotInfo(const Robot* robot) {
 
 ParticipantStatus StatusOf(const msg::ComponentStatus& message) {
   ParticipantStatus status;
-  status.name = message.name().to_string();
-  status.kind = message.component_kind().to_string();
-  status.state = wire::NameOf(message.state());
-  status.host = message.host().to_string();
-  status.message = message.message().to_string();
-  status.standby = message.standby();
-  status.process_id = message.process_id();
-  status.cycles = message.cycles();
-  status.stale_inputs = message.stale_inputs();
-  status.missed_ticks = message.missed_ticks();
-  status.write_failures = message.write_failures();
-  status.malformed_samples = message.malformed_samples();
-  status.dropped_samples = message.dropped_samples();
-  status.refused_datagrams = message.refused_datagrams();
-  status.resident_MB = message.resident_MB();
+  status.name = message.name;
+  status.kind = message.component_kind;
+  status.state = NameOf(message.state);
+  status.host = message.host;
+  status.message = message.message;
+  status.standby = message.standby;
+  status.process_id = message.process_id;
+  status.cycles = message.cycles;
+  status.stale_inputs = message.stale_inputs;
+  status.missed_ticks = message.missed_ticks;
+  status.write_failures = message.write_failures;
+  status.malformed_samples = message.malformed_samples;
+  status.dropped_samples = message.dropped_samples;
+  status.refused_datagrams = message.refused_datagrams;
+  status.resident_MB = message.resident_MB;
   return status;
 }
 

@@ -11,7 +11,6 @@
 
 #include "components/robot/estop/press.h"
 #include "components/robot/estop/socket_folder.h"
-#include "components/topics/wire/wire.h"
 
 namespace sinew::live {
 
@@ -23,15 +22,15 @@ constexpr const char* kReason = "page of sinew-view";
 msg::OperatorAction MessageOf(Action action) {
   switch (action) {
     case Action::kDisarm:
-      return msg::OPERATOR_DISARM;
+      return msg::OperatorAction::kDisarm;
     case Action::kArm:
-      return msg::OPERATOR_ARM;
+      return msg::OperatorAction::kArm;
     case Action::kEstop:
-      return msg::OPERATOR_ESTOP;
+      return msg::OperatorAction::kEstop;
     case Action::kReset:
-      return msg::OPERATOR_RESET;
+      return msg::OperatorAction::kReset;
   }
-  return msg::OPERATOR_DISARM;
+  return msg::OperatorAction::kDisarm;
 }
 
 }  // namespace
@@ -64,19 +63,19 @@ std::string OperatorDesk::Ask(Action action) {
 void OperatorDesk::Step(std::int64_t now_ns) {
   bool stopped = false;
   while (const auto state = states_.TakeNext()) {  // ESTOPPED may last no longer than a cycle
-    robot_ = static_cast<RobotIs>(state->robot_state());
-    fault_ = wire::FromWire(state->fault());
-    stopped = stopped || *robot_ == RobotIs::kEstopped;
-    session_id_ = state->header().session_id();
-    tick_ = state->header().tick();
-    stamp_ns_ = state->header().stamp_ns();
-    origin_ = static_cast<int>(state->header().origin());
+    robot_ = state->robot_state;
+    fault_ = types::FromMessage(state->fault);
+    stopped = stopped || *robot_ == RobotState::kEstopped;
+    session_id_ = state->header.session_id;
+    tick_ = state->header.tick;
+    stamp_ns_ = state->header.stamp_ns;
+    origin_ = state->header.origin;
     heard_ns_ = now_ns;
   }
   std::string refusal;
   while (const auto status = statuses_.TakeNext()) {
-    const std::string message = status->message().to_string();
-    if (message.starts_with("arm refused")) refusal = status->name().to_string() + ": " + message;
+    const std::string message = status->message;
+    if (message.starts_with("arm refused")) refusal = status->name + ": " + message;
   }
 
   std::optional<Action> asked;
@@ -89,7 +88,8 @@ void OperatorDesk::Step(std::int64_t now_ns) {
     idled_ = false;
     refusal.clear();  // an earlier one's
   }
-  const std::optional<RobotIs> now = stopped ? std::optional(RobotIs::kEstopped) : robot(now_ns);
+  const std::optional<RobotState> now =
+      stopped ? std::optional(RobotState::kEstopped) : robot(now_ns);
   if (!refusal.empty() && action_.pending() && action_.report()->action == Action::kArm) {
     action_.End(false, refusal);
   }
@@ -104,12 +104,12 @@ void OperatorDesk::Step(std::int64_t now_ns) {
 void OperatorDesk::Send(Action action) {
   if (!commands_) return;
   msg::OperatorCommand command;
-  command.header().session_id(session_id_);
-  command.header().tick(tick_);
-  command.header().stamp_ns(stamp_ns_);
-  command.header().origin(static_cast<msg::Origin>(origin_));
-  command.action(MessageOf(action));
-  command.reason(kReason);
+  command.header.session_id = session_id_;
+  command.header.tick = tick_;
+  command.header.stamp_ns = stamp_ns_;
+  command.header.origin = origin_;
+  command.action = MessageOf(action);
+  command.reason = kReason;
   if (commands_->Write(command) != node::WriteStatus::kOk) {
     spdlog::warn("{} could not be written; it is repeated", NameOf(action));
   }
@@ -136,7 +136,7 @@ void OperatorDesk::PressSockets(std::int64_t now_ns) {
   if (idled_ && !robot(now_ns)) action_.End(true, "");
 }
 
-std::optional<RobotIs> OperatorDesk::robot(std::int64_t now_ns) const {
+std::optional<RobotState> OperatorDesk::robot(std::int64_t now_ns) const {
   return now_ns - heard_ns_ < kStateAge_ns ? robot_ : std::nullopt;
 }
 

@@ -30,7 +30,7 @@ class OperatorDesk {
 
   // State of the last action: {"action", "pending", "done", "why"}; null: none was asked for.
   nlohmann::ordered_json Report() const;
-  std::optional<RobotIs> robot(std::int64_t now_ns) const;
+  std::optional<RobotState> robot(std::int64_t now_ns) const;
   // Cause, value, limit and remedy of the newest joint_state; empty: no fault.
   std::string fault() const { return types::FaultText(fault_); }
 
@@ -48,11 +48,11 @@ class OperatorDesk {
   std::optional<Action> asked_;  // guarded: since the last Step
   bool estop_pending_ = false;   // guarded
   PendingAction action_;
-  std::optional<RobotIs> robot_;
+  std::optional<RobotState> robot_;
   types::Fault fault_;
   std::uint64_t session_id_ = 0, tick_ = 0;
   std::int64_t stamp_ns_ = 0;
-  int origin_ = 0;
+  msg::Origin origin_{};
   std::int64_t heard_ns_ = 0;
   bool idled_ = false;  // by a socket, since the estop was asked for
 };

@@ -11,7 +11,8 @@ namespace {
 struct ActionRule {
   Action action;
   const char* name;
-  std::vector<RobotIs> reached;  // states that mean it was done, as `sinew arm` and so on have them
+  std::vector<RobotState>
+      reached;  // states that mean it was done, as `sinew arm` and so on have them
   bool needs_session;
   bool given_up;  // after kLimit_ns
 };
@@ -20,12 +21,12 @@ const ActionRule& RuleOf(Action action) {
   static const std::array<ActionRule, 4> kRules = {{
       {Action::kDisarm,
        "disarm",
-       {RobotIs::kDisarmed, RobotIs::kFault, RobotIs::kEstopped},
+       {RobotState::kDisarmed, RobotState::kFault, RobotState::kEstopped},
        false,
        true},
-      {Action::kArm, "arm", {RobotIs::kArmed, RobotIs::kDamped}, true, true},
-      {Action::kEstop, "estop", {RobotIs::kEstopped}, false, false},
-      {Action::kReset, "reset", {RobotIs::kDisarmed}, true, true},
+      {Action::kArm, "arm", {RobotState::kArmed, RobotState::kDamped}, true, true},
+      {Action::kEstop, "estop", {RobotState::kEstopped}, false, false},
+      {Action::kReset, "reset", {RobotState::kDisarmed}, true, true},
   }};
   return *std::find_if(kRules.begin(), kRules.end(),
                        [action](const ActionRule& rule) { return rule.action == action; });
@@ -34,22 +35,6 @@ const ActionRule& RuleOf(Action action) {
 }  // namespace
 
 const char* NameOf(Action action) { return RuleOf(action).name; }
-
-const char* NameOf(RobotIs state) {
-  switch (state) {
-    case RobotIs::kDisarmed:
-      return "disarmed";
-    case RobotIs::kArmed:
-      return "armed";
-    case RobotIs::kDamped:
-      return "damped";
-    case RobotIs::kFault:
-      return "fault";
-    case RobotIs::kEstopped:
-      return "estopped";
-  }
-  return "unknown";
-}
 
 bool PendingAction::Ask(Action action, std::int64_t now_ns) {
   if (pending_ && report_->action == Action::kEstop && action != Action::kEstop) return false;
@@ -60,7 +45,7 @@ bool PendingAction::Ask(Action action, std::int64_t now_ns) {
   return true;
 }
 
-std::optional<Action> PendingAction::Due(std::optional<RobotIs> robot, std::int64_t now_ns) {
+std::optional<Action> PendingAction::Due(std::optional<RobotState> robot, std::int64_t now_ns) {
   if (!pending_) return std::nullopt;
   const ActionRule& rule = RuleOf(report_->action);
   // The robot's state from before the first sending is no answer to it.

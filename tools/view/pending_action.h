@@ -10,13 +10,14 @@
 #include <optional>
 #include <string>
 
+#include "components/base/types/robot_state.h"
+
 namespace sinew::live {
 
 enum class Action { kDisarm, kArm, kEstop, kReset };
-enum class RobotIs { kDisarmed, kArmed, kDamped, kFault, kEstopped };  // values of msg::RobotState
+using types::RobotState;
 
 const char* NameOf(Action action);
-const char* NameOf(RobotIs state);
 
 class PendingAction {
  public:
@@ -26,7 +27,7 @@ class PendingAction {
   // False: an estop is not confirmed yet.
   bool Ask(Action action, std::int64_t now_ns);
   // robot: what it says now; nothing: not heard. An action: send it now.
-  std::optional<Action> Due(std::optional<RobotIs> robot, std::int64_t now_ns);
+  std::optional<Action> Due(std::optional<RobotState> robot, std::int64_t now_ns);
   // Reached, or refused for good, as somebody else than the robot's state says.
   void End(bool done, const std::string& why);
 

@@ -4,7 +4,6 @@
 
 #include "components/base/types/clock/clock.h"
 #include "components/robot/provider/participant/simulation_messages.h"
-#include "components/topics/wire/wire.h"
 
 namespace sinew::virtual_axes {
 
@@ -32,21 +31,20 @@ SimulationTopics::SimulationTopics(const node::Options& node_options,
 void SimulationTopics::Exchange(VirtualAxes& axes, std::int64_t now_ns) {
   const auto state = states_.TakeLatest();
   if (state) {
-    const types::MessageHeader header = wire::FromWire(state->header());
+    const types::MessageHeader header = state->header;
     running_ = {header.session_id, header.origin};
   }
   if (disturbance_) PushLinks(axes, now_ns);
   if (body_disturbance_) PushBody(now_ns);
-  if (state && truth_) WriteTruth(state->header());
+  if (state && truth_) WriteTruth(state->header);
 }
 
 void SimulationTopics::PushLinks(VirtualAxes& axes, std::int64_t now_ns) {
   const auto said = disturbance_->TakeLatest();
-  if (said &&
-      gate_.Admits(types::CommandKind::kRequest, wire::FromWire(said->header()), running_)) {
+  if (said && gate_.Admits(types::CommandKind::kRequest, said->header, running_)) {
     pushed_ns_ = now_ns;
-    for (int j = 0; j < std::min<int>(plant_.joint_count(), said->joint_count()); ++j) {
-      axes.SetHand(j, said->load_force_N()[static_cast<std::size_t>(j)]);
+    for (int j = 0; j < std::min<int>(plant_.joint_count(), said->joint_count); ++j) {
+      axes.SetHand(j, said->load_force_N[static_cast<std::size_t>(j)]);
     }
   } else if (now_ns - pushed_ns_ > kSilence_ns) {
     for (int j = 0; j < plant_.joint_count(); ++j) axes.SetHand(j, 0.0);
@@ -55,8 +53,7 @@ void SimulationTopics::PushLinks(VirtualAxes& axes, std::int64_t now_ns) {
 
 void SimulationTopics::PushBody(std::int64_t now_ns) {
   while (const auto said = body_disturbance_->TakeNext()) {
-    if (!body_gate_.Admits(types::CommandKind::kRequest, wire::FromWire(said->header()),
-                           running_)) {
+    if (!body_gate_.Admits(types::CommandKind::kRequest, said->header, running_)) {
       continue;
     }
     const provider::BodyDisturbance disturbance = provider::FromMessage(*said);
@@ -75,8 +72,8 @@ void SimulationTopics::PushBody(std::int64_t now_ns) {
 
 void SimulationTopics::WriteTruth(const msg::Header& of_state) {
   msg::Header header = of_state;
-  header.stamp_ns(types::EpochNow_ns());
-  header.origin(msg::ORIGIN_SIM);
+  header.stamp_ns = types::EpochNow_ns();
+  header.origin = msg::Origin::kSim;
   Count(truth_->Write(provider::ToMessage(header, plant_.joint_count(), plant_.gear_truth())));
   if (body_truth_) Count(body_truth_->Write(provider::ToMessage(header, *plant_.body_truth())));
 }

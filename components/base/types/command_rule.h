@@ -58,7 +58,7 @@ constexpr CommandRefusal RefusalOf(CommandKind kind, const MessageHeader& header
   // By the message's origin: LIVE, SIM, REPLAY.
   struct Row {
     bool any_session;
-    std::array<bool, 3> on_live, elsewhere;
+    std::array<bool, CountOf(Origin{})> on_live, elsewhere;
   };
   constexpr std::array<Row, kCommandKinds> kTable = {{
       {true, {true, true, true}, {true, true, true}},

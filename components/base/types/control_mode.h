@@ -1,16 +1,13 @@
-// The quantity that a motor controller regulates.
+// The quantity that a motor controller regulates: nothing (the motor is off), torque, position
+// (with an inner loop of velocity and torque) or velocity (with an inner loop of torque).
 //
-// CommandMode of idl/joint.idl and the values of the CAN protocol (bridge/can/codec.h) are the same
-// modes as they are written to the wire; their numbers may differ from these.
+// The values of the CAN protocol (bridge/can/codec.h) are the same modes with other numbers.
 #pragma once
+
+#include <sinew_idl/joint.h>
 
 namespace sinew::types {
 
-enum class ControlMode {
-  kIdle,      // the motor is off
-  kTorque,    // torque
-  kPosition,  // position, with an inner loop of velocity and torque
-  kVelocity,  // velocity, with an inner loop of torque
-};
+using ControlMode = msg::CommandMode;
 
 }  // namespace sinew::types

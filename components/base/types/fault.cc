@@ -60,6 +60,20 @@ std::string Number(double value, const FaultTerms& terms) {
 
 }  // namespace
 
+msg::Fault ToMessage(const Fault& fault) noexcept {
+  return {.cause = fault.cause,
+          .joint = static_cast<std::uint8_t>(fault.joint),
+          .value = fault.value,
+          .limit = fault.limit};
+}
+
+Fault FromMessage(const msg::Fault& message) noexcept {
+  return {.cause = message.cause,
+          .joint = message.joint,
+          .value = message.value,
+          .limit = message.limit};
+}
+
 const FaultTerms& TermsOf(FaultCause cause) { return kTerms[static_cast<std::size_t>(cause)]; }
 
 std::string FaultText(const Fault& fault, std::string_view detail) {

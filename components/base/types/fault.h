@@ -1,43 +1,18 @@
 // Why a robot, or one of its joints, may not move: an enumerated cause, what was measured, the
-// limit it passed, and what to do. idl/fault.idl has the same causes.
+// limit it passed, and what to do. The causes are those of idl/fault.idl.
 //
 // Pure; any thread. FaultText allocates.
 #pragma once
+
+#include <sinew_idl/fault.h>
 
 #include <string>
 #include <string_view>
 
 namespace sinew::types {
 
-enum class FaultCause {
-  kNone,
-  // the robot's
-  kCommandMissing,
-  kCycleLate,
-  kCommandNotFinite,
-  kCommandJoints,
-  kCommandNames,
-  kFall,
-  kPlant,
-  // a joint's
-  kAxisError,
-  kHeartbeatLost,
-  kEstimatesLost,
-  kNodeLost,
-  kEncoderJump,
-  kOverTemperature,
-  kOverspeed,
-  kOutOfRange,
-  kNoClosedLoop,
-  kZero,
-  kNotFinite,
-  kOutputJump,
-  kEncoderFrozen,
-  kEncoderSlipped,
-  kEncodersDisagree,
-  kAnotherMaster,
-};
-inline constexpr int kFaultCauses = static_cast<int>(FaultCause::kAnotherMaster) + 1;
+using msg::FaultCause;
+inline constexpr int kFaultCauses = static_cast<int>(CountOf(FaultCause{}));
 
 inline constexpr int kWholeRobot = 255;
 
@@ -50,6 +25,10 @@ struct Fault {
   bool active() const { return cause != FaultCause::kNone; }
   bool operator==(const Fault&) const = default;
 };
+
+// As a message says it, and back.
+msg::Fault ToMessage(const Fault& fault) noexcept;
+Fault FromMessage(const msg::Fault& message) noexcept;
 
 struct FaultTerms {
   FaultCause cause = FaultCause::kNone;

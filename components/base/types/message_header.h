@@ -1,17 +1,14 @@
 // The cycle and the session that a message belongs to (header of every topic, idl/header.idl).
+//
+// One that is made without an origin says that it is of live hardware.
 #pragma once
 
-#include <cstdint>
+#include <sinew_idl/header.h>
 
 #include "components/base/types/robot_state.h"
 
 namespace sinew::types {
 
-struct MessageHeader {
-  std::uint64_t session_id = 0;  // of the state provider's run
-  std::uint64_t tick = 0;        // the state provider's cycle, from 0
-  Origin origin = Origin::kSim;
-  std::int64_t stamp_ns = 0;  // measurement of the cycle: UTC, or simulated time in lockstep
-};
+using MessageHeader = msg::Header;
 
 }  // namespace sinew::types

@@ -1,17 +1,12 @@
-// Actions that an operator asks of the robot.
+// Actions that an operator asks of the robot: motors off, commands accepted in one session, motors
+// off and latched, the end of what is latched, begin and end of a trajectory, a role to another
+// participant, and a player's reference on live hardware.
 #pragma once
+
+#include <sinew_idl/operator.h>
 
 namespace sinew::types {
 
-enum class OperatorAction {
-  kDisarm,        // motors off
-  kArm,           // of one session: commands are accepted
-  kEstop,         // motors off, latched
-  kReset,         // ends a latched fault or estop: disarmed
-  kStart,         // reference generators: start the trajectory
-  kStop,          // reference generators: end the trajectory
-  kHandover,      // a role goes to the participant that is named
-  kPermitReplay,  // the named player's reference may move live hardware
-};
+using msg::OperatorAction;
 
 }  // namespace sinew::types

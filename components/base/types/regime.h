@@ -1,12 +1,11 @@
-// Regime of a SEA-PEA joint: whether the teeth of the gear are in contact.
+// Regime of a SEA-PEA joint: whether the teeth of the gear are in contact. SEA, inside the
+// backlash: the chamber alone carries the link. PEA: motor and chamber act in parallel.
 #pragma once
+
+#include <sinew_idl/regime.h>
 
 namespace sinew::types {
 
-enum class Regime {
-  kUnknown,
-  kSea,  // inside the backlash: the chamber alone carries the link
-  kPea,  // teeth in contact: motor and chamber act in parallel
-};
+using Regime = msg::RegimeKind;
 
 }  // namespace sinew::types

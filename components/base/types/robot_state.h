@@ -1,25 +1,20 @@
-// State of the robot, decided by its state provider, and where a message comes from.
+// State of the robot, decided by its state provider, and where a message comes from: hardware, a
+// simulation or a recording that is played.
+//
+// Armed: commands are accepted. Damped: armed, but commands are missing, and the provider damps or
+// holds. Fault and estopped are latched until the operator's reset.
 #pragma once
+
+#include <sinew_idl/joint.h>
 
 namespace sinew::types {
 
-enum class RobotState {
-  kDisarmed,  // motors off, no command is accepted
-  kArmed,     // commands are accepted
-  kDamped,    // armed, but commands are missing: the provider damps or holds
-  kFault,     // latched until the operator's reset
-  kEstopped,  // latched until the operator's reset
-};
+using msg::Origin;
+using msg::RobotState;
 
 // Commands move the robot, or the provider bridges their gap.
 constexpr bool MayMove(RobotState state) noexcept {
   return state == RobotState::kArmed || state == RobotState::kDamped;
 }
-
-enum class Origin {
-  kLive,    // hardware
-  kSim,     // simulation
-  kReplay,  // a recording that is played
-};
 
 }  // namespace sinew::types

@@ -14,7 +14,7 @@ namespace sinew::types {
 
 struct Run {
   std::string name;  // file it came from
-  JointKind kind = JointKind::kRotary;
+  JointKind kind = JointKind::kRevolute;
   Eigen::VectorXd time_s;                     // strictly increasing, not necessarily uniform
   std::map<Signal, Eigen::VectorXd> signals;  // units as in signal.h; each as long as time_s
   std::string content_hash;                   // of the samples, for the history of a model

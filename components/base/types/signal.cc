@@ -51,7 +51,7 @@ std::optional<Signal> SignalFromName(std::string_view name) {
 }
 
 std::string_view SignalUnit(Signal signal, JointKind kind) {
-  return kind == JointKind::kLinear ? Row(signal).linear_unit : Row(signal).rotary_unit;
+  return kind == JointKind::kPrismatic ? Row(signal).linear_unit : Row(signal).rotary_unit;
 }
 
 const std::vector<Signal>& AllSignals() {

@@ -69,7 +69,7 @@ struct HistoryEntry {
 class JointModel {
  public:
   std::string name;
-  types::JointKind kind = types::JointKind::kRotary;
+  types::JointKind kind = types::JointKind::kRevolute;
   effects::JointConstants constants;
   double backlash_rad = 0.0;           // full width of the play at the output; 0: none
   double motor_torque_limit_Nm = 0.0;  // at the motor shaft; 0: none

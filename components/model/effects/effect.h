@@ -76,8 +76,8 @@ enum class Dimension {
   kRate,
 };
 
-// Suffix of a YAML key, e.g. {kViscous, kRotary} -> "Nm_s_rad", {kViscous, kLinear} -> "N_s_m";
-// empty for kNone.
+// Suffix of a YAML key, e.g. {kViscous, kRevolute} -> "Nm_s_rad", {kViscous, kPrismatic} ->
+// "N_s_m"; empty for kNone.
 std::string_view UnitSuffix(Dimension dimension, types::JointKind kind);
 
 struct ParameterInfo {

@@ -54,7 +54,7 @@ struct JointConstants {
   double encoder_counts_per_turn = 0.0;  // of the coarser encoder at the output; 0: not stated
   // A linear joint has no lever (link_length_m is 1, a force counts as it is) and its position is
   // no angle to the vertical.
-  types::JointKind kind = types::JointKind::kRotary;
+  types::JointKind kind = types::JointKind::kRevolute;
   // The model's pneumatic element, K P - k1 P (q - q0) (actuator::RemakeEffects); 0 without.
   double pneumatic_torque_Nm_bar = 0.0;         // K
   double pneumatic_stiffness_Nm_rad_bar = 0.0;  // k1

@@ -3,7 +3,7 @@
 namespace sinew::effects {
 
 std::string_view UnitSuffix(Dimension dimension, types::JointKind kind) {
-  const bool rotary = kind == types::JointKind::kRotary;
+  const bool rotary = kind == types::JointKind::kRevolute;
   switch (dimension) {
     case Dimension::kNone:
       return "";
@@ -80,7 +80,7 @@ std::string_view BalanceName(Balance balance) {
 }
 
 std::string_view BalanceUnit(Balance balance, types::JointKind kind) {
-  const bool rotary = kind == types::JointKind::kRotary;
+  const bool rotary = kind == types::JointKind::kRevolute;
   switch (balance) {
     case Balance::kGas:
       return "bar";

@@ -316,7 +316,7 @@ bool IsMagnitude(const Part& part, Signal drive) {
 
 // Can these recordings be read so, and does the model have a term to which it matters?
 bool Applies(const Reading& reading, const JointModel& model, const Parts& parts, Signal drive) {
-  if (reading.rotary_only && model.kind == types::JointKind::kLinear) return false;
+  if (reading.rotary_only && model.kind == types::JointKind::kPrismatic) return false;
   const auto any = [&](Signal signal) {
     return std::any_of(parts.begin(), parts.end(), [&](const Part* part) {
       return part->run->Has(signal) && Range(part->run->At(signal)) > 0.0;

@@ -38,7 +38,7 @@ std::vector<Measurement> CheckConstants(const std::vector<types::Run>& runs,
     at.remedy = remedy;
     out.push_back(std::move(at));
   };
-  const bool rotary = model.kind == types::JointKind::kRotary;
+  const bool rotary = model.kind == types::JointKind::kRevolute;
   for (const Need& need : kNeeds) {
     if (model.Find(need.effect) < 0 || model.constants.*need.constant > 0.0) continue;
     // A linear joint carries its payload along a horizontal axis.

@@ -157,7 +157,7 @@ std::vector<Measurement> CheckWrapped(const Run& run) {
       double statistic =
           i >= 5 && (x.segment(i - 5, 6).array() == x[i]).all() ? 0.0 : sizes[i] / range;
       const double turns = sizes[i] / (2.0 * std::numbers::pi);
-      if (run.kind == types::JointKind::kRotary && turns > 0.9 && sizes[i] > 20.0 * usual &&
+      if (run.kind == types::JointKind::kRevolute && turns > 0.9 && sizes[i] > 20.0 * usual &&
           std::abs(turns - std::round(turns)) < 0.02) {
         statistic = std::max(statistic, 1.0);
       }

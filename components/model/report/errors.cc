@@ -47,7 +47,7 @@ std::vector<ErrorLine> ErrorTable(const Report& report) {
                                 ? "in closed loop"
                                 : "over " + Short(run.horizon_s) + " s from measured states";
     out.push_back({"simulated", "position simulated " + how + ", held-out recordings",
-                   effects::Balance::kMotion, kind == types::JointKind::kRotary ? "rad" : "m",
+                   effects::Balance::kMotion, kind == types::JointKind::kRevolute ? "rad" : "m",
                    run.models.at(kDeclaredModel).rms, run.models.at(kRefittedModel).rms,
                    run.models.at(kCorrectedModel).rms});
   }

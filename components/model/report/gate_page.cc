@@ -106,7 +106,7 @@ Picture Speeds(const Fault& fault, const Run& run, const actuator::JointModel& m
     shown.y.push_back(gear ? local.at(measured).rate[k] / ratio : local.at(measured).value[k]);
   }
   const std::string unit =
-      run.kind == types::JointKind::kLinear && angle == Signal::kPosition ? "m/s" : "rad/s";
+      run.kind == types::JointKind::kPrismatic && angle == Signal::kPosition ? "m/s" : "rad/s";
   return Stack(fault.rule + ": " + fault.signal + " of " + fault.recording, fault.reason, run,
                {{"speed, " + unit, {derived, shown}}});
 }

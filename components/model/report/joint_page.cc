@@ -210,7 +210,7 @@ std::string RowsText(const trace::TraceResult& trace) {
     separator = ", ";
   }
   double from = 0.0;
-  const std::string unit = trace.corrected.kind == types::JointKind::kRotary ? "rad/s" : "m/s";
+  const std::string unit = trace.corrected.kind == types::JointKind::kRevolute ? "rad/s" : "m/s";
   separator = "; used by speed: ";
   for (const trace::RowUsage::Speed& speed : trace.row_usage.by_speed) {
     if (speed.rows > 0) {

@@ -51,7 +51,7 @@ Axis AxisFor(const std::string& variable, types::JointKind kind) {
   std::string label = found.label;
   const std::size_t at = label.find('@');
   if (at != std::string::npos) {
-    label.replace(at, 1, kind == types::JointKind::kRotary ? "rad" : "m");
+    label.replace(at, 1, kind == types::JointKind::kRevolute ? "rad" : "m");
   }
   const auto value = found.value;
   const bool turns = value == &JointSample::motor_position_rad;
@@ -318,7 +318,7 @@ std::vector<Picture> PicturesOfSimulation(const Report& report) {
 
 Picture PathPicture(const free_run::FreeRunResult& following, types::JointKind kind,
                     std::size_t before, std::size_t after) {
-  const bool rotary = kind == types::JointKind::kRotary;
+  const bool rotary = kind == types::JointKind::kRevolute;
   const std::string unit = rotary ? "mrad" : "mm";
   const free_run::Trace& trace = following.traces.front();
   const auto rows =
@@ -363,7 +363,7 @@ std::vector<Picture> MakePictures(const Report& report, const Design& train,
   out.push_back(ResidualOverTime(report, held_out));
   out.push_back(ResidualOverVariable(report, train, AxisFor(variable, trace.corrected.kind),
                                      trace.before_train.residual, trace.after_train.residual));
-  if (trace.corrected.kind == types::JointKind::kRotary) {
+  if (trace.corrected.kind == types::JointKind::kRevolute) {
     out.push_back(
         SpectrumByAngle(report, train, trace.before_train.residual, trace.after_train.residual));
   }

@@ -25,13 +25,13 @@ std::string Join(const std::vector<std::string>& words, const char* last) {
 }  // namespace
 
 std::string TorqueUnit(types::JointKind kind) {
-  return kind == types::JointKind::kRotary ? "Nm" : "N";
+  return kind == types::JointKind::kRevolute ? "Nm" : "N";
 }
 
 std::string ErrorUnit(const trace::TraceResult& trace, effects::Balance balance) {
   const types::JointKind kind = trace.corrected.kind;
   if (!trace.by_simulation) return std::string(effects::BalanceUnit(balance, kind));
-  return kind == types::JointKind::kRotary ? "rad" : "m";
+  return kind == types::JointKind::kRevolute ? "rad" : "m";
 }
 
 std::string MeasuredSide(const trace::TraceResult& trace) {

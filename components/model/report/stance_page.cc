@@ -120,7 +120,7 @@ std::string StanceEffectText(const StanceEffect& effect) {
   const effects::EffectInfo& info = effect.term->effect->info();
   for (std::size_t i = 0; i < info.linear.size(); ++i) {
     const actuator::ParameterValue& value = effect.term->linear[i];
-    out += " " + effects::ParameterKey(info.linear[i], types::JointKind::kRotary) + " = " +
+    out += " " + effects::ParameterKey(info.linear[i], types::JointKind::kRevolute) + " = " +
            Short(value.value) + " +- " + Short(value.half_width_95.value_or(0.0));
   }
   return out;

@@ -317,7 +317,7 @@ class Closer {
           std::find_if(out_.detectable.begin(), out_.detectable.end(),
                        [&](const SmallestSize& entry) { return entry.effect == h.name; });
       const std::string parameter =
-          effects::ParameterKey(h.effect->info().linear.front(), types::JointKind::kRotary);
+          effects::ParameterKey(h.effect->info().linear.front(), types::JointKind::kRevolute);
       if (known == out_.detectable.end()) {
         out_.detectable.push_back({h.name, parameter, size});
       } else {

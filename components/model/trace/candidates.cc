@@ -170,7 +170,7 @@ CandidateSet MakeCandidates(const identify::Design& design, const actuator::Join
         effects::MakeEffect(name, model.constants, balance);
     const effects::EffectInfo& info = effect->info();
     if (info.role == effects::Role::kDrive || info.event) continue;
-    if (info.rotary_only && model.kind != types::JointKind::kRotary) continue;
+    if (info.rotary_only && model.kind != types::JointKind::kRevolute) continue;
     const int present = model.Find(name, balance);
     if (present >= 0 && info.nonlinear.empty()) continue;
     if (present >= 0 && model.terms[static_cast<std::size_t>(present)].declared) continue;
@@ -246,7 +246,7 @@ std::vector<Candidate> EventCandidates(const actuator::JointModel& model, const 
     Candidate candidate;
     candidate.effect = effects::MakeEffect(name, model.constants);
     const effects::EffectInfo& info = candidate.effect->info();
-    if (!info.event || (info.rotary_only && model.kind != types::JointKind::kRotary)) continue;
+    if (!info.event || (info.rotary_only && model.kind != types::JointKind::kRevolute)) continue;
     out.push_back(std::move(candidate));
   }
   return out;

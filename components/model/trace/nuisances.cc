@@ -154,7 +154,7 @@ class OfMachine {
       out->Add("mesh", side.cwiseProduct(drive.cwiseAbs()),
                std::max(kMesh, kMeshFriction * size_.friction / size_.drive_peak));
     }
-    if (model_.kind == types::JointKind::kRotary) {
+    if (model_.kind == types::JointKind::kRevolute) {
       out->Add("tilt", Of([](const effects::JointSample& x) { return std::sin(x.position_rad); }),
                kTilt_rad * size_.gravity);
     }

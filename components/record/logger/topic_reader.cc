@@ -1,14 +1,13 @@
 #include "components/record/logger/topic_reader.h"
 
+#include <sinew_idl/joint.h>
+#include <sinew_idl/status.h>
+
 #include <functional>
 
 namespace sinew::logger {
 
 namespace {
-
-constexpr std::int64_t kRobotFault = 3;      // msg::ROBOT_FAULT
-constexpr std::int64_t kRobotEstopped = 4;   // msg::ROBOT_ESTOPPED
-constexpr std::int64_t kComponentFault = 2;  // msg::COMPONENT_FAULT
 
 std::uint64_t InstanceOf(const std::vector<recording::CdrField>& keys,
                          const recording::Bytes& payload) {
@@ -53,10 +52,13 @@ MessageFacts TopicReader::Read(recording::Bytes* payload) const {
     if (last_tick_) {
       facts.origin = origin_.AsInt(*payload);
       facts.last_tick = last_tick_->AsInt(*payload) != 0;
-      const std::int64_t state = robot_state_->AsInt(*payload);
-      facts.fault = state == kRobotFault || state == kRobotEstopped;
+      const auto state = static_cast<msg::RobotState>(robot_state_->AsInt(*payload));
+      facts.fault = state == msg::RobotState::kFault || state == msg::RobotState::kEstopped;
     }
-    if (component_state_) facts.fault = component_state_->AsInt(*payload) == kComponentFault;
+    if (component_state_) {
+      const auto state = static_cast<msg::ComponentState>(component_state_->AsInt(*payload));
+      facts.fault = state == msg::ComponentState::kFault;
+    }
   } catch (const recording::CdrError&) {
     facts = {};
     facts.malformed = true;

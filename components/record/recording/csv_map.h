@@ -48,7 +48,7 @@ struct SignalColumn {
 
 struct CsvMap {
   std::string name;  // of the mapping file
-  types::JointKind kind = types::JointKind::kRotary;
+  types::JointKind kind = types::JointKind::kRevolute;
   CsvFormat format;
   int joints = 1;                        // that "{joint}" counts
   std::vector<std::string> joint_names;  // that "{joint}" stands for; empty: numbers

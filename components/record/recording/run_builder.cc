@@ -138,7 +138,7 @@ std::optional<types::Run> MakeRun(Session* session) {
 
   types::Run run;
   run.clock_set_back_s = SecondsFromStamp(clock.set_back_ns());
-  run.kind = session->linear ? types::JointKind::kLinear : types::JointKind::kRotary;
+  run.kind = session->linear ? types::JointKind::kPrismatic : types::JointKind::kRevolute;
   const auto size = static_cast<Eigen::Index>(rows.size());
   run.time_s.resize(size);
   for (Eigen::Index i = 0; i < size; ++i) {

@@ -9,6 +9,7 @@
 
 #include "components/base/types/joints.h"
 #include "components/base/types/median.h"
+#include "components/base/types/robot_state.h"
 #include "components/base/types/seconds.h"
 #include "components/record/recording/csv_map.h"
 #include "components/record/recording/signal_fields.h"
@@ -16,8 +17,6 @@
 namespace sinew::recording {
 namespace {
 
-constexpr std::int64_t kOriginReplay = 2;       // msg::ORIGIN_REPLAY
-constexpr std::int64_t kRobotArmed = 1;         // msg::ROBOT_ARMED
 constexpr std::int64_t kGapNs = 1'000'000'000;  // between two runs in one file
 
 }  // namespace
@@ -111,7 +110,7 @@ IoStatus RunImporter::OpenTopics(const std::vector<std::string>& names,
     if (!status.ok()) return status;
     topic->Clear();
     topic->SetInt("header.session_id", session_id);
-    topic->SetInt("header.origin", kOriginReplay);
+    topic->SetInt("header.origin", static_cast<std::int64_t>(types::Origin::kReplay));
     topic->SetInt("joint_count", static_cast<std::int64_t>(joints.size()));
     topics->push_back(topic.get());
   }
@@ -156,9 +155,9 @@ IoStatus RunImporter::Add(std::span<const types::Run> joints,
       joint.sources.push_back(
           {topic, topic->Field(std::string(field.field) + index), &run.At(field.signal)});
     }
-    topics[0]->SetInt("joint_kind" + index, run.kind == types::JointKind::kLinear ? 1 : 0);
+    topics[0]->SetInt("joint_kind" + index, static_cast<std::int64_t>(run.kind));
   }
-  topics[0]->SetInt("robot_state", kRobotArmed);
+  topics[0]->SetInt("robot_state", static_cast<std::int64_t>(types::RobotState::kArmed));
   topics[0]->Set("period_s", period_s);
   topics[1]->SetInt("measured_flags", measured_flags);
 

@@ -96,7 +96,7 @@ std::string AcceptedUnits(Quantity quantity) {
 }
 
 Quantity QuantityOf(types::Signal signal, types::JointKind kind) {
-  const bool linear = kind == types::JointKind::kLinear;
+  const bool linear = kind == types::JointKind::kPrismatic;
   switch (signal) {
     case types::Signal::kPosition:
     case types::Signal::kReferencePosition:

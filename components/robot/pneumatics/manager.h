@@ -30,13 +30,15 @@
 // Gauge pressure, bar. Thread: one. Step is noexcept and allocates nothing.
 #pragma once
 
+#include <sinew_idl/pneumatics.h>
+
 #include "components/robot/pneumatics/relay.h"
 #include "components/robot/pneumatics/stiffness_table.h"
 
 namespace sinew::pneumatics {
 
 enum class HoldWith { kReservoir, kChamber };
-enum class Mode { kIdle, kHold, kFill, kVent, kSafe };
+using Mode = msg::PneumaticMode;
 enum class Fault { kNone, kSensor, kOverpressure, kNoResponse, kValve, kLeak, kRises };
 const char* FaultText(Fault fault) noexcept;
 

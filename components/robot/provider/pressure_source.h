@@ -16,7 +16,7 @@ namespace sinew::provider {
 
 // A sim_pressure, decoded. Entries from joint_count on are not imposed.
 struct PressureMessage {
-  types::MessageHeader header;
+  types::MessageHeader header{.origin = types::Origin::kSim};
   int joint_count = 0;
   ImposedPressure pressure;
 };

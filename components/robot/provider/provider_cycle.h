@@ -46,7 +46,7 @@ namespace sinew::provider {
 
 // A joint_command, decoded: mode and setpoints of each joint. Entries from joint_count on idle.
 struct JointSetpoints {
-  types::MessageHeader header;
+  types::MessageHeader header{.origin = types::Origin::kSim};
   int joint_count = 0;
   types::JointArray<types::ControlMode> mode{};
   types::JointArray<double> motor_torque_Nm{};
@@ -58,7 +58,7 @@ struct JointSetpoints {
 
 // A valve_command, decoded. Entries from joint_count on are off.
 struct ValveCommand {
-  types::MessageHeader header;
+  types::MessageHeader header{.origin = types::Origin::kSim};
   int joint_count = 0;
   types::JointArray<bool> valve_open{};
   types::JointArray<bool> compressor_on{};

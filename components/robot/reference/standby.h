@@ -3,7 +3,9 @@
 //
 // While another generator is the owner, its last points are carried on to the present tick (they
 // come a tick late), so that a reader that hears the standby next hears no step. Then the own
-// generator takes over (RobotReference::TakeOver). Thread: one. noexcept, allocates nothing.
+// generator takes over (RobotReference::TakeOver). Where the last points are old, as after a stop
+// of this process, nobody knows where the motion is: nothing is asked for until the robot is armed,
+// or its operator asks, again. Thread: one. noexcept, allocates nothing.
 #pragma once
 
 #include <cstdint>

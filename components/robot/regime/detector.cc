@@ -88,7 +88,7 @@ void RegimeDetector::HandleSetup(const DetectorInput& input, DetectorOutput* out
   output->request_pressure_bar = config_.setup_pressure_bar;
 
   if (stage_ == Stage::kPressurise) {
-    output->request = Request::kHold;
+    output->request = types::Motion::kHold;
     if (input.pressure_bar >= config_.min_pressure_bar) {
       stage_ = Stage::kPush;
       stage_s_ = 0.0;
@@ -101,7 +101,7 @@ void RegimeDetector::HandleSetup(const DetectorInput& input, DetectorOutput* out
     return;
   }
 
-  output->request = Request::kPush;
+  output->request = types::Motion::kPushAgainstChamber;
   output->request_target_rad = target_rad_;
   if (input.pressure_bar < config_.min_pressure_bar) {
     Fail(Trouble::kNoPressure);
@@ -186,7 +186,7 @@ DetectorOutput RegimeDetector::Step(const DetectorInput& input) noexcept {
     output.trouble = trouble_;
     if (stage_ == Stage::kFailed) {
       output.phase = Phase::kWaiting;
-      output.request = Request::kNone;
+      output.request = types::Motion::kNone;
     }
     if (!setup_done_) return output;
     output = DetectorOutput{};

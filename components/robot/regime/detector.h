@@ -17,12 +17,13 @@
 
 #include <cstdint>
 
+#include "components/base/types/motion.h"
 #include "components/base/types/regime.h"
 #include "components/robot/regime/play_detector.h"
 
 namespace sinew::regime {
 
-enum class Phase { kWaiting, kSetup, kExecution };
+using Phase = msg::RegimePhase;
 enum class Setup { kGiven, kActive };
 
 // Why there is no regime.
@@ -53,8 +54,6 @@ struct DetectorConfig {
   double timeout_s = 20.0;
 };
 
-enum class Request { kNone, kHold, kPush };
-
 struct DetectorInput {
   std::uint64_t session_id = 0;
   double period_s = 0.0;
@@ -73,8 +72,8 @@ struct DetectorOutput {
   double alpha_rad = 0.0;
   double confidence = 0.0;
   Trouble trouble = Trouble::kNone;
-  // The setup's request to control and pneumatics.
-  Request request = Request::kNone;
+  // The setup's request to control and pneumatics: none, to hold or to push.
+  types::Motion request = types::Motion::kNone;
   double request_target_rad = 0.0;
   double request_pressure_bar = 0.0;
 };

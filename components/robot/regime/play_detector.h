@@ -29,7 +29,7 @@ class StateArchive;
 
 namespace sinew::regime {
 
-enum class Contact { kNone, kLower, kUpper };
+using Contact = msg::ContactSide;
 
 struct PlayConfig {
   double backlash_rad = 0.0;                       // full width at the output

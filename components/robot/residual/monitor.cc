@@ -31,42 +31,6 @@ int Ticks(double time_s, double period_s) {
 
 }  // namespace
 
-std::string_view CauseName(Cause cause) noexcept {
-  switch (cause) {
-    case Cause::kOffset:
-      return "offset";
-    case Cause::kDryFriction:
-      return "dry_friction";
-    case Cause::kViscousFriction:
-      return "viscous_friction";
-    case Cause::kPayload:
-      return "payload";
-    case Cause::kPressure:
-      return "pressure";
-    case Cause::kDrive:
-      return "drive";
-    case Cause::kNothing:
-      break;
-  }
-  return "nothing";
-}
-
-std::string_view StateName(State state) noexcept {
-  switch (state) {
-    case State::kLearning:
-      return "learning";
-    case State::kWatching:
-      return "watching";
-    case State::kNotExcited:
-      return "not excited";
-    case State::kAlarm:
-      return "alarm";
-    case State::kLost:
-      break;
-  }
-  return "lost";
-}
-
 Monitor::Monitor(const actuator::JointModel& model, const MonitorConfig& config, double period_s)
     : model_(model),
       columns_model_(model),
@@ -106,7 +70,7 @@ Monitor::Monitor(const actuator::JointModel& model, const MonitorConfig& config,
     return std::any_of(sources_.begin(), sources_.end(),
                        [&](const Source& source) { return source.cause == cause; });
   };
-  const bool linear = model.kind == types::JointKind::kLinear;
+  const bool linear = model.kind == types::JointKind::kPrismatic;
   const auto add = [&](Cause cause, const char* effect) {
     if (has_column(cause)) return;
     columns_model_.terms.push_back(actuator::MakeTerm(effect, model.constants));

@@ -16,9 +16,10 @@
 // Thread: one. Step is noexcept; it allocates nothing but in the block that ends the learning.
 #pragma once
 
+#include <sinew_idl/residual.h>
+
 #include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "components/model/actuator/model.h"
@@ -27,26 +28,16 @@
 
 namespace sinew::residual {
 
-// The cause that a change of the residual follows.
-enum class Cause {
-  kNothing,
-  kOffset,           // constant: current sensor, a person leaning on the link
-  kDryFriction,      // the direction of motion
-  kViscousFriction,  // velocity
-  kPayload,          // gravity and acceleration of a mass at the load cell
-  kPressure,         // chamber pressure: its sensor, the element's lever
-  kDrive,            // the drive's torque: torque constant, efficiency
-};
-std::string_view CauseName(Cause cause) noexcept;  // "dry_friction"
+// The cause that a change of the residual follows: a constant offset (current sensor, a person
+// leaning on the link), the direction of motion (dry friction), velocity (viscous friction),
+// gravity and acceleration of a mass at the load cell (payload), the chamber's pressure (its
+// sensor, the element's lever), or the drive's torque (torque constant, efficiency).
+using Cause = msg::ResidualCause;
 
-enum class State {
-  kLearning,  // what the model leaves, from moving samples: no change can be detected yet
-  kWatching,
-  kNotExcited,  // at rest or too short in motion: a change could not be seen now
-  kAlarm,
-  kLost,  // samples are lost or are no numbers
-};
-std::string_view StateName(State state) noexcept;  // "learning"
+// While it is learning, from moving samples what the model leaves, no change can be detected. Not
+// excited: at rest or too short in motion, so that a change could not be seen now. Lost: samples
+// are lost or are no numbers.
+using State = msg::ResidualMonitorState;
 
 struct MonitorConfig {
   double window_s = 0.1;  // of the states' polynomial

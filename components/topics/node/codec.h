@@ -13,7 +13,7 @@ namespace sinew::node {
 
 using Bytes = std::vector<std::byte>;
 
-// Capacity of `bytes` is reused. False: the message does not fit its bounds.
+// Capacity of `bytes` is reused. A text is cut at its bound. False: a sequence is beyond its bound.
 template <class Message>
 [[nodiscard]] bool Encode(const Message& message, Bytes* bytes);
 
@@ -42,10 +42,6 @@ template <class Message>
   Bytes bytes;  // fresh: what the encoder leaves out is zero
   return Encode(message, &bytes) ? EventId(std::span<const std::byte>(bytes)) : 0;
 }
-
-// Fully qualified IDL name, e.g. "sinew::msg::JointState".
-template <class Message>
-std::string_view TypeName();
 
 // RTPS key hash (16 bytes) of a keyed message; false when the type has no key.
 [[nodiscard]] bool KeyHash(std::string_view type_name, const Bytes& bytes, std::uint8_t hash[16]);

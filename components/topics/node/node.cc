@@ -107,7 +107,7 @@ void Node::SetStandby(bool standby) { impl_->status.SetStandby(standby); }
 void Node::SetCounts(const Counts& counts) { impl_->status.SetCounts(counts); }
 
 void Node::SetCycle(std::uint64_t session_id, std::uint64_t tick, std::int64_t stamp_ns,
-                    int origin) {
+                    msg::Origin origin) {
   impl_->status.SetCycle(session_id, tick, stamp_ns, origin);
 }
 

@@ -5,6 +5,8 @@
 // <sinew_idl/...h> (generated); include the one you use.
 #pragma once
 
+#include <sinew_idl/status.h>
+
 #include <chrono>
 #include <cstdint>
 #include <functional>
@@ -161,7 +163,7 @@ class Node {
 
   // component_status, published by a thread beside the loop: at once when the state or message
   // changes, and once a second while the loop calls SetCycle, SetCounts or any wait of this node.
-  enum class State { kConfigured, kActive, kFault, kStopped };
+  using State = msg::ComponentState;
   void SetState(State state, const std::string& message = "", const types::Fault& fault = {});
   // Another participant is heard in this one's place (other_owner.h).
   void SetStandby(bool standby);
@@ -169,8 +171,9 @@ class Node {
     std::uint64_t cycles = 0, stale_inputs = 0, missed_ticks = 0, write_failures = 0;
   };
   void SetCounts(const Counts& counts);
-  // The cycle that component_status speaks of; origin is a msg::Origin.
-  void SetCycle(std::uint64_t session_id, std::uint64_t tick, std::int64_t stamp_ns, int origin);
+  // The cycle that component_status speaks of.
+  void SetCycle(std::uint64_t session_id, std::uint64_t tick, std::int64_t stamp_ns,
+                msg::Origin origin);
 
   // Blocks until anything arrived on any reader of this node, or the timeout.
   bool WaitForData(std::chrono::microseconds timeout);

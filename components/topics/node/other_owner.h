@@ -36,11 +36,11 @@ class OtherOwner {
         heard_tick_.reset();
         continue;
       }
-      const bool same_session = message->header().session_id() == tick.session_id;
-      if (!same_session || !StillOwner(message->header().tick(), tick)) continue;
+      const bool same_session = message->header.session_id == tick.session_id;
+      if (!same_session || !StillOwner(message->header.tick, tick)) continue;
       session_id_ = tick.session_id;
-      heard_tick_ = message->header().tick();
-      replayed_ = message->header().origin() == msg::ORIGIN_REPLAY;
+      heard_tick_ = message->header.tick;
+      replayed_ = message->header.origin == msg::Origin::kReplay;
       return message;
     }
     return std::nullopt;
@@ -63,7 +63,7 @@ class OtherOwner {
 
   // Marks what is computed from a replayed owner as that.
   void MarkOrigin(Tick* tick) const {
-    if (Heard(*tick) && replayed_) tick->origin = msg::ORIGIN_REPLAY;
+    if (Heard(*tick) && replayed_) tick->origin = msg::Origin::kReplay;
   }
 
   // Takes all and reports, for a participant that has no state to follow with.

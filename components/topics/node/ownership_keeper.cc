@@ -10,7 +10,6 @@
 #include "components/topics/node/names.h"
 #include "components/topics/node/node_impl.h"
 #include "components/topics/node/realtime.h"
-#include "components/topics/wire/wire.h"
 
 namespace sinew::node::internal {
 
@@ -57,10 +56,11 @@ void OwnershipKeeper::Close() {
   operator_command_.reset();
 }
 
-void OwnershipKeeper::SetCycle(std::uint64_t session_id, int origin, std::int64_t stamp_ns) {
+void OwnershipKeeper::SetCycle(std::uint64_t session_id, msg::Origin origin,
+                               std::int64_t stamp_ns) {
   const bool is_new = session_id_.exchange(session_id, std::memory_order_relaxed) != session_id;
   origin_.store(origin, std::memory_order_relaxed);
-  if (!is_new || origin == msg::ORIGIN_REPLAY) return;
+  if (!is_new || origin == msg::Origin::kReplay) return;
   const auto offset = ClockOffset(stamp_ns, std::chrono::system_clock::now());
   if (clock_offset_.exchange(offset) == offset) return;
   spdlog::warn("the clock of the state provider is {:.0f} s ahead of this host's",
@@ -83,25 +83,24 @@ void OwnershipKeeper::Notify() {
 
 void OwnershipKeeper::TakeOperatorCommand(RawSample&& sample) {
   msg::OperatorCommand command;
-  if (!Decode(sample.payload, &command) || command.action() != msg::OPERATOR_HANDOVER) return;
-  const types::RunningSession running{
-      session_id_.load(std::memory_order_relaxed),
-      wire::FromWire(static_cast<msg::Origin>(origin_.load(std::memory_order_relaxed)))};
-  if (command.target() != node_.options.name) {
+  if (!Decode(sample.payload, &command) || command.action != msg::OperatorAction::kHandover) return;
+  const types::RunningSession running{session_id_.load(std::memory_order_relaxed),
+                                      origin_.load(std::memory_order_relaxed)};
+  if (command.target != node_.options.name) {
     // The last handover counts: one to this participant that has not been acted on is superseded.
-    if (command.role() == RoleOf(node_.options) &&
-        types::RefusalOf(types::CommandKind::kPermission, wire::FromWire(command.header()),
-                         running) == types::CommandRefusal::kNone) {
+    if (command.role == RoleOf(node_.options) &&
+        types::RefusalOf(types::CommandKind::kPermission, command.header, running) ==
+            types::CommandRefusal::kNone) {
       const std::lock_guard<std::mutex> lock(news_mutex_);
       hand_over_ = false;
     }
     return;
   }
-  if (!gate_.Admits(types::CommandKind::kPermission, wire::FromWire(command.header()), running)) {
+  if (!gate_.Admits(types::CommandKind::kPermission, command.header, running)) {
     return;
   }
-  if (command.role() != RoleOf(node_.options)) {
-    spdlog::warn("handover of '{}' refused: this is '{}'", command.role(), RoleOf(node_.options));
+  if (command.role != RoleOf(node_.options)) {
+    spdlog::warn("handover of '{}' refused: this is '{}'", command.role, RoleOf(node_.options));
     return;
   }
   {

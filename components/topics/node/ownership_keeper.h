@@ -49,7 +49,7 @@ class OwnershipKeeper {
   // Sets the running cycle: a handover counts for its session only, on live hardware from a live
   // operator only, and never from a recording.
   // stamp_ns: by the provider's clock.
-  void SetCycle(std::uint64_t session_id, int origin, std::int64_t stamp_ns);
+  void SetCycle(std::uint64_t session_id, msg::Origin origin, std::int64_t stamp_ns);
   void Notify();  // discovery found or lost something
 
  private:
@@ -74,7 +74,7 @@ class OwnershipKeeper {
 
   NodeImpl& node_;
   std::atomic<std::uint64_t> session_id_{0};
-  std::atomic<int> origin_{0};
+  std::atomic<msg::Origin> origin_{};
   std::atomic<std::chrono::nanoseconds> clock_offset_{};  // of the provider
   CommandGate gate_{"handover"};                          // DDS thread
   std::mutex writers_mutex_;  // held while strengths change, so never waited for by DDS threads

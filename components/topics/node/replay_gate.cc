@@ -7,7 +7,6 @@
 
 #include "components/topics/node/codec.h"
 #include "components/topics/node/node_impl.h"
-#include "components/topics/wire/wire.h"
 
 namespace sinew::node::internal {
 
@@ -23,12 +22,12 @@ void ReplayGate::Cycle(const types::RunningSession& running, bool may_move) {
       commands_.CountMalformed();
       continue;
     }
-    const auto action = wire::FromWire(command.action());
-    if (!action) continue;
-    if (types::KindOf(*action) == types::CommandKind::kStop) permission_.End("the operator's stop");
-    if (action != types::OperatorAction::kPermitReplay) continue;
-    const std::string name = command.target().to_string();
-    const std::string why = permission_.Give(wire::FromWire(command.header()), name);
+    if (types::KindOf(command.action) == types::CommandKind::kStop) {
+      permission_.End("the operator's stop");
+    }
+    if (command.action != types::OperatorAction::kPermitReplay) continue;
+    const std::string name = command.target;
+    const std::string why = permission_.Give(command.header, name);
     if (!why.empty()) {
       spdlog::warn("permit-replay of '{}' refused: {}", name, why);
     } else if (name != before) {

@@ -61,10 +61,10 @@ struct SnapshotPublisher::Impl {
 
   void TakeRequests(const Tick& tick) {
     while (const auto request = requests.TakeNext()) {
-      const std::string name = request->name().to_string();
-      if (request->header().session_id() != tick.session_id) continue;
+      const std::string name = request->name;
+      if (request->header.session_id != tick.session_id) continue;
       if (!name.empty() && name != node.options().name) continue;
-      if (asked.size() < kMostRequests) asked.push_back(request->after_tick());
+      if (asked.size() < kMostRequests) asked.push_back(request->after_tick);
     }
   }
 
@@ -99,23 +99,23 @@ struct SnapshotPublisher::Impl {
 
   void SendParts(const Taken& taken) {
     msg::ComponentSnapshot message;
-    message.header().session_id(taken.tick.session_id);
-    message.header().tick(taken.tick.tick);
-    message.header().stamp_ns(taken.tick.stamp_ns);
-    message.header().origin(static_cast<msg::Origin>(taken.tick.origin));
-    message.name(node.options().name);
-    message.component_kind(RoleOf(node.options()));
-    message.version(version);
+    message.header.session_id = taken.tick.session_id;
+    message.header.tick = taken.tick.tick;
+    message.header.stamp_ns = taken.tick.stamp_ns;
+    message.header.origin = taken.tick.origin;
+    message.name = node.options().name;
+    message.component_kind = RoleOf(node.options());
+    message.version = version;
     const std::size_t parts =
         std::max<std::size_t>(1, (taken.content.size() + kPartBytes - 1) / kPartBytes);
-    message.part_count(static_cast<std::uint16_t>(parts));
+    message.part_count = static_cast<std::uint16_t>(parts);
     Bytes bytes;
     for (std::size_t part = 0; part < parts && !ended; ++part) {
       const std::size_t from = part * kPartBytes;
       const std::size_t size = std::min(kPartBytes, taken.content.size() - from);
-      message.part(static_cast<std::uint16_t>(part));
+      message.part = static_cast<std::uint16_t>(part);
       const auto* begin = reinterpret_cast<const std::uint8_t*>(taken.content.data()) + from;
-      message.content().assign(begin, begin + size);
+      message.content.assign(begin, begin + size);
       if (!Encode(message, &bytes)) return;
       if (writer(bytes.data(), bytes.size()) != WriteStatus::kOk) return;
       if ((part + 1) % kPartsInFlight == 0 && !writer.WaitAcknowledged(kTaken)) return;

@@ -11,8 +11,6 @@
 #include "components/topics/node/host_name.h"
 #include "components/topics/node/ownership.h"
 #include "components/topics/node/version.h"
-#include "components/topics/wire/component_state.h"
-#include "components/topics/wire/wire.h"
 
 namespace sinew::node::internal {
 
@@ -23,20 +21,6 @@ double ResidentMegabytes() {
   long total = 0, resident = 0;
   statm >> total >> resident;
   return static_cast<double>(resident) * static_cast<double>(::sysconf(_SC_PAGESIZE)) / 1e6;
-}
-
-msg::ComponentState ToMessage(Node::State state) {
-  switch (state) {
-    case Node::State::kConfigured:
-      return msg::COMPONENT_CONFIGURED;
-    case Node::State::kActive:
-      return msg::COMPONENT_ACTIVE;
-    case Node::State::kFault:
-      return msg::COMPONENT_FAULT;
-    case Node::State::kStopped:
-      return msg::COMPONENT_STOPPED;
-  }
-  return msg::COMPONENT_FAULT;
 }
 
 }  // namespace
@@ -114,7 +98,7 @@ void Status::SetCounts(const Node::Counts& counts) {
 }
 
 void Status::SetCycle(std::uint64_t session_id, std::uint64_t tick, std::int64_t stamp_ns,
-                      int origin) {
+                      msg::Origin origin) {
   Beat();
   const std::lock_guard<PriorityMutex> lock(mutex_);
   values_.session_id = session_id;
@@ -152,30 +136,30 @@ void Status::Run() {
 
 void Status::Publish(const Values& values) {
   msg::ComponentStatus status;
-  status.name(name_);
-  status.component_kind(component_);
-  status.header().session_id(values.session_id);
-  status.header().tick(values.tick);
-  status.header().stamp_ns(values.stamp_ns);
-  status.header().origin(static_cast<msg::Origin>(values.origin));
-  status.state(ToMessage(values.state));
-  status.standby(values.standby);
-  status.process_id(static_cast<std::uint32_t>(::getpid()));
-  status.host(host_);
-  status.version(kVersion);
-  status.idl_hash(AllTopicsHash());
-  status.cycles(values.counts.cycles);
-  status.stale_inputs(values.counts.stale_inputs);
-  status.missed_ticks(values.counts.missed_ticks);
-  status.write_failures(values.counts.write_failures + failed_publications_);
-  status.malformed_samples(malformed_.load(std::memory_order_relaxed));
-  status.dropped_samples(dropped_.load(std::memory_order_relaxed));
+  status.name = name_;
+  status.component_kind = component_;
+  status.header.session_id = values.session_id;
+  status.header.tick = values.tick;
+  status.header.stamp_ns = values.stamp_ns;
+  status.header.origin = values.origin;
+  status.state = values.state;
+  status.standby = values.standby;
+  status.process_id = static_cast<std::uint32_t>(::getpid());
+  status.host = host_;
+  status.version = kVersion;
+  status.idl_hash = AllTopicsHash();
+  status.cycles = values.counts.cycles;
+  status.stale_inputs = values.counts.stale_inputs;
+  status.missed_ticks = values.counts.missed_ticks;
+  status.write_failures = values.counts.write_failures + failed_publications_;
+  status.malformed_samples = malformed_.load(std::memory_order_relaxed);
+  status.dropped_samples = dropped_.load(std::memory_order_relaxed);
   const DatagramCounts datagrams = ReceivedDatagrams();
-  status.received_datagrams(datagrams.received);
-  status.refused_datagrams(datagrams.dropped);
-  status.resident_MB(ResidentMegabytes());
-  status.fault(wire::ToWire(values.fault));
-  status.message(values.message.substr(0, 255));
+  status.received_datagrams = datagrams.received;
+  status.refused_datagrams = datagrams.dropped;
+  status.resident_MB = ResidentMegabytes();
+  status.fault = types::ToMessage(values.fault);
+  status.message = values.message.substr(0, 255);
   Bytes bytes;
   if (!Encode(status, &bytes) || writer_->WriteToDds(&bytes) != WriteStatus::kOk) {
     ++failed_publications_;
@@ -183,8 +167,7 @@ void Status::Publish(const Values& values) {
 }
 
 void Status::ReportToSystemd(const Values& values) {
-  systemd_.SetStatus(wire::NameOf(ToMessage(values.state)) +
-                     (values.message.empty() ? "" : ": " + values.message));
+  systemd_.SetStatus(NameOf(values.state) + (values.message.empty() ? "" : ": " + values.message));
   if (values.state == Node::State::kStopped) systemd_.SetStopping();
 }
 

@@ -37,7 +37,8 @@ class Status {
   // Published at once when it changes, as the state.
   void SetStandby(bool standby);
   void SetCounts(const Node::Counts& counts);
-  void SetCycle(std::uint64_t session_id, std::uint64_t tick, std::int64_t stamp_ns, int origin);
+  void SetCycle(std::uint64_t session_id, std::uint64_t tick, std::int64_t stamp_ns,
+                msg::Origin origin);
   // The loop goes round; to be called from every wait.
   void Beat() noexcept;
 
@@ -55,7 +56,7 @@ class Status {
     Node::Counts counts;
     std::uint64_t session_id = 0, tick = 0;
     std::int64_t stamp_ns = 0;
-    int origin = 0;
+    msg::Origin origin{};
   };
   void Run();
   void Publish(const Values& values);

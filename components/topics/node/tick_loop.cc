@@ -6,9 +6,12 @@
 #include <stdexcept>
 #include <type_traits>
 #include <utility>
+#include <vector>
 
 #include "components/base/types/clock/clock.h"
 #include "components/base/types/command_rule.h"
+#include "components/base/types/message_header.h"
+#include "components/base/types/robot_state.h"
 #include "components/topics/node/all_messages.h"
 #include "components/topics/node/command_gate.h"
 #include "components/topics/node/cut_off.h"
@@ -18,7 +21,6 @@
 #include "components/topics/node/realtime.h"
 #include "components/topics/node/replay_gate.h"
 #include "components/topics/node/tick_period.h"
-#include "components/topics/wire/wire.h"
 
 namespace sinew::node {
 
@@ -26,6 +28,16 @@ using Clock = std::chrono::steady_clock;
 using internal::InputQueue;
 
 namespace internal {
+
+namespace {
+
+// A number without a name, of a message that is not decoded yet: never live.
+msg::Origin OriginOf(const HeadOfMessage& head) {
+  const bool named = head.origin < CountOf(msg::Origin{});
+  return named ? static_cast<msg::Origin>(head.origin) : msg::Origin::kReplay;
+}
+
+}  // namespace
 
 // An input without its type: a DDS reader and the samples that it gave, by tick.
 class InputBase {
@@ -53,9 +65,7 @@ class InputBase {
     Collect([&](const HeadOfMessage& head, const WriterId& writer) {
       if (!commands_) return head.session_id == running.session_id;
       const types::MessageHeader header{
-          .session_id = head.session_id,
-          .tick = head.tick,
-          .origin = wire::FromWire(static_cast<msg::Origin>(head.origin))};
+          .session_id = head.session_id, .tick = head.tick, .origin = OriginOf(head)};
       const types::CommandRefusal refusal =
           types::RefusalOf(types::CommandKind::kRequest, header, running);
       // Everybody's reference is heard: another one's ends a permission.
@@ -72,11 +82,11 @@ class InputBase {
   // Live hardware has no permission any more for what was taken by one: it never came.
   void ForgetReplay(const types::RunningSession& running) {
     if (!replay || running.origin != types::Origin::kLive || replay->holds()) return;
-    if (queue.accepted() && origin() == msg::ORIGIN_REPLAY) queue.Reset();
+    if (queue.accepted() && origin() == msg::Origin::kReplay) queue.Reset();
   }
   // The value counts as live.
   bool replay_permitted() const {
-    return replay && replay->holds() && queue.accepted() && origin() == msg::ORIGIN_REPLAY;
+    return replay && replay->holds() && queue.accepted() && origin() == msg::Origin::kReplay;
   }
   // The source that wakes a thread that waits for this input (wake_signal.h).
   const void* source() const { return reader_.get(); }
@@ -155,24 +165,24 @@ struct TickInput<Message>::State final : public InputBase {
     if (!Decode(bytes, &next)) return false;
     if constexpr (std::is_same_v<Message, msg::JointState>) {
       // Every participant divides by it or makes filters of it.
-      if (!(next.period_s() > 0.0 && next.period_s() <= kLongestPeriod_s)) return false;
+      if (!(next.period_s > 0.0 && next.period_s <= kLongestPeriod_s)) return false;
     }
     std::swap(message, next);
     return true;
   }
   bool robot_may_move() const override {
     if constexpr (std::is_same_v<Message, msg::JointState>) {
-      return types::MayMove(wire::FromWire(message.robot_state()));
+      return types::MayMove(message.robot_state);
     }
     return false;
   }
-  msg::Origin origin() const override { return message.header().origin(); }
+  msg::Origin origin() const override { return message.header.origin; }
   void Describe(Tick* tick) const override {
-    tick->stamp_ns = message.header().stamp_ns();
-    tick->origin = static_cast<int>(origin());
+    tick->stamp_ns = message.header.stamp_ns;
+    tick->origin = origin();
     if constexpr (std::is_same_v<Message, msg::JointState>) {
-      tick->nominal_period_s = message.period_s();
-      tick->last = message.last_tick();
+      tick->nominal_period_s = message.period_s;
+      tick->last = message.last_tick;
     }
   }
 };
@@ -213,43 +223,19 @@ std::uint64_t TickInput<Message>::refused() const {
 
 namespace {
 
-// The field of an output that names the tick of an input, by the input's topic (idl/header.idl).
-// Outputs that have no such field are left as they are.
-template <class Message>
-void SetInputTick([[maybe_unused]] std::string_view topic, [[maybe_unused]] std::uint64_t tick,
-                  [[maybe_unused]] Message* message) {
-  if constexpr (requires { message->state_tick(tick); }) {
-    if (topic == kJointState.name) message->state_tick(tick);
-  }
-  if constexpr (requires { message->actuator_tick(tick); }) {
-    if (topic == kActuatorState.name) message->actuator_tick(tick);
-  }
-  if constexpr (requires { message->reference_tick(tick); }) {
-    if (topic == kReference.name) message->reference_tick(tick);
-  }
-  if constexpr (requires { message->regime_tick(tick); }) {
-    if (topic == kRegime.name) message->regime_tick(tick);
-  }
-  if constexpr (requires { message->prediction_tick(tick); }) {
-    if (topic == kTorquePrediction.name) message->prediction_tick(tick);
-  }
-  if constexpr (requires { message->readout_tick(tick); }) {
-    if (topic == kReadout.name) message->readout_tick(tick);
-  }
-  if constexpr (requires { message->motion_tick(tick); }) {
-    if (topic == kMotionRequest.name) message->motion_tick(tick);
-  }
-  if constexpr (requires { message->reservoir_tick(tick); }) {
-    if (topic == kReservoirState.name) message->reservoir_tick(tick);
-  }
-  if constexpr (requires { message->command_tick(tick); }) {
-    if (topic == kJointCommand.name) message->command_tick(tick);
-  }
-}
-
-constexpr std::array<std::string_view, 8> kOptionalInputs = {
-    kActuatorState.name, kReference.name,     kRegime.name,         kTorquePrediction.name,
-    kReadout.name,       kMotionRequest.name, kReservoirState.name, kJointCommand.name};
+// The field of an output that names the tick of an input (idl/header.idl), and the input's topic.
+struct TickField {
+  std::string_view field, topic;
+};
+constexpr std::array<TickField, 9> kTickFields = {{{"state_tick", kJointState.name},
+                                                   {"actuator_tick", kActuatorState.name},
+                                                   {"reference_tick", kReference.name},
+                                                   {"regime_tick", kRegime.name},
+                                                   {"prediction_tick", kTorquePrediction.name},
+                                                   {"readout_tick", kReadout.name},
+                                                   {"motion_tick", kMotionRequest.name},
+                                                   {"reservoir_tick", kReservoirState.name},
+                                                   {"command_tick", kJointCommand.name}}};
 constexpr std::size_t kMostEvents = 16;  // bound of event_ids
 
 }  // namespace
@@ -461,19 +447,37 @@ struct TickLoop::Impl {
            Clock::now() - last_cycle > internal::Deadline(nominal);
   }
 
-  template <class Message>
-  void NameInputs([[maybe_unused]] const Tick& tick, [[maybe_unused]] Message* message) const {
-    for (const std::string_view topic : kOptionalInputs) SetInputTick(topic, kNoTick, message);
+  // Tick of the input of this topic, kNoTick where nothing was used; where the loop reads no
+  // joint_state, what the output says of it.
+  std::uint64_t InputTick(std::string_view topic, std::uint64_t said) const {
     for (const std::shared_ptr<InputBase>& input : inputs) {
-      const bool used = input->queue.accepted();
-      SetInputTick(input->topic(), used ? input->queue.accepted_tick() : kNoTick, message);
+      if (input->topic() == topic) {
+        return input->queue.accepted() ? input->queue.accepted_tick() : kNoTick;
+      }
     }
-    if constexpr (requires { message->event_ids(events); }) message->event_ids(events);
-    if constexpr (requires { message->previous_tick(kNoTick); }) {
-      message->previous_tick(previous_cycle.value_or(kNoTick));
-    }
-    if constexpr (requires { message->joining(true); }) message->joining(!tick.settled);
+    return topic == kJointState.name ? said : kNoTick;
   }
+
+  // Fills the fields by which an output names its inputs, where it has them.
+  struct Naming {
+    const Impl& loop;
+    const bool joining;
+
+    void operator()(std::string_view name, std::uint64_t& tick, std::size_t) const {
+      if (name == "previous_tick") tick = loop.previous_cycle.value_or(kNoTick);
+      for (const TickField& known : kTickFields) {
+        if (known.field == name) tick = loop.InputTick(known.topic, tick);
+      }
+    }
+    void operator()(std::string_view name, std::vector<std::uint64_t>& ids, std::size_t) const {
+      if (name == "event_ids") ids = loop.events;
+    }
+    void operator()(std::string_view name, bool& flag, std::size_t) const {
+      if (name == "joining") flag = joining;
+    }
+    template <class T>
+    void operator()(std::string_view, T&, std::size_t) const {}
+  };
 
   std::chrono::nanoseconds CutOff(double nominal_period_s) const {
     return std::chrono::nanoseconds(static_cast<std::int64_t>(
@@ -546,7 +550,7 @@ std::optional<Tick> TickLoop::Next() {
     tick.settled = self.Settled();
     if (tick.settled) BeginRealtime();
   } while (self.MustBeQuiet(tick));
-  self.running = {tick.session_id, wire::FromWire(trigger.origin())};
+  self.running = {tick.session_id, trigger.origin()};
   for (const std::shared_ptr<InputBase>& input : self.inputs) {
     if (input->replay) input->replay->Cycle(self.running, trigger.robot_may_move());
   }
@@ -562,17 +566,16 @@ std::optional<Tick> TickLoop::Next() {
     input.ForgetReplay(self.running);
     const bool permitted = self.running.origin == types::Origin::kLive && input.replay_permitted();
     tick.replay_permitted |= permitted;
-    replayed |= input.queue.accepted() && input.origin() == msg::ORIGIN_REPLAY && !permitted;
+    replayed |= input.queue.accepted() && input.origin() == msg::Origin::kReplay && !permitted;
   }
   const double period_s = self.period.Next(tick.session_id, tick.tick, tick.stamp_ns,
-                                           tick.origin == msg::ORIGIN_SIM, tick.nominal_period_s);
+                                           tick.origin == msg::Origin::kSim, tick.nominal_period_s);
   tick.period_s = self.lockstep ? tick.nominal_period_s : period_s;
   // A command that is computed from a recording is no live one, whatever triggered it.
-  if (replayed) tick.origin = msg::ORIGIN_REPLAY;
+  if (replayed) tick.origin = msg::Origin::kReplay;
 
   if (tick.nominal_period_s > 0.0) self.node.SetPeriod(BoundedPeriod(tick.nominal_period_s));
-  self.node.impl_->ownership.SetCycle(tick.session_id, static_cast<int>(trigger.origin()),
-                                      tick.stamp_ns);
+  self.node.impl_->ownership.SetCycle(tick.session_id, trigger.origin(), tick.stamp_ns);
   if (tick.any_stale) ++self.counts.stale_inputs;
   ++self.counts.cycles;
   self.ended = tick.last;
@@ -590,11 +593,8 @@ void TickLoop::Publish(Writer<Message>& writer, Message message, const Tick& tic
     ++impl_->counts.missed_ticks;
     return;
   }
-  message.header().session_id(tick.session_id);
-  message.header().tick(tick.tick);
-  message.header().stamp_ns(tick.stamp_ns);
-  message.header().origin(static_cast<msg::Origin>(tick.origin));
-  impl_->NameInputs(tick, &message);
+  message.header = {tick.session_id, tick.tick, tick.stamp_ns, tick.origin};
+  Message::Fields(message, Impl::Naming{*impl_, !tick.settled});
   if (writer.Write(message) != WriteStatus::kOk) ++impl_->counts.write_failures;
 }
 

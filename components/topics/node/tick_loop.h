@@ -28,6 +28,8 @@
 // Threads: one thread, the node's. Next() allocates.
 #pragma once
 
+#include <sinew_idl/header.h>
+
 #include <chrono>
 #include <cstdint>
 #include <limits>
@@ -45,8 +47,8 @@ struct Tick {
   std::uint64_t session_id = 0;
   std::uint64_t tick = 0;
   std::int64_t stamp_ns = 0;  // of the trigger
-  int origin = 0;         // msg::Origin of the trigger; REPLAY when any input is from a recording
-  double period_s = 0.0;  // since the last cycle: tick_period.h; in lockstep nominal_period_s
+  msg::Origin origin{};       // of the trigger; kReplay when any input is from a recording
+  double period_s = 0.0;      // since the last cycle: tick_period.h; in lockstep nominal_period_s
   double nominal_period_s = 0.0;
   bool last = false;  // the session's last tick: Next() returns nothing after it
   bool any_stale = false;

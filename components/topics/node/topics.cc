@@ -30,7 +30,7 @@ template <class Message>
 void Add(const Topic<Message>& topic, std::vector<TopicInfo>* topics) {
   TopicInfo info;
   info.name = topic.name;
-  info.type_name = TypeName<Message>();
+  info.type_name = Message::kIdlName;
   info.profile = topic.profile;
   for (const idl::EmbeddedType& type : idl::EmbeddedTypes()) {
     if (type.type_name == info.type_name) {

@@ -9,7 +9,6 @@
 #include "components/base/types/robot_state.h"
 #include "components/topics/node/node.h"
 #include "components/topics/node/tick_loop.h"
-#include "components/topics/wire/wire.h"
 #include "sim/body_disturbance/file/schedule_file.h"
 
 namespace {
@@ -18,14 +17,14 @@ using namespace sinew;
 
 msg::SimBodyDisturbance ToMessage(const provider::BodyDisturbance& disturbance) {
   msg::SimBodyDisturbance message;
-  message.payload_link(disturbance.payload_link);
-  message.payload_kg(disturbance.payload_kg);
-  message.payload_m(disturbance.payload_m);
-  message.push_link(disturbance.push_link);
-  message.push_force_N(disturbance.push_force_N);
-  message.push_m(disturbance.push_m);
-  message.lost_drive(disturbance.lost_drive);
-  message.lost_friction(disturbance.lost_friction);
+  message.payload_link = disturbance.payload_link;
+  message.payload_kg = disturbance.payload_kg;
+  message.payload_m = disturbance.payload_m;
+  message.push_link = disturbance.push_link;
+  message.push_force_N = disturbance.push_force_N;
+  message.push_m = disturbance.push_m;
+  message.lost_drive = disturbance.lost_drive;
+  message.lost_friction = disturbance.lost_friction;
   return message;
 }
 
@@ -48,10 +47,10 @@ void Run(const node::Options& options, node::StopFlag& stop) {
   std::optional<std::uint64_t> armed_tick;
   provider::BodyDisturbance acting;
   while (const auto tick = loop.Next()) {
-    if (state.value().header().origin() == msg::ORIGIN_LIVE) {
+    if (state.value().header.origin == msg::Origin::kLive) {
       throw UsageError("the robot is hardware, expected a simulated one: nobody pushes it by DDS");
     }
-    if (!armed_tick && types::MayMove(wire::FromWire(state.value().robot_state()))) {
+    if (!armed_tick && types::MayMove(state.value().robot_state)) {
       armed_tick = tick->tick;
     }
     provider::BodyDisturbance now;
@@ -62,7 +61,7 @@ void Run(const node::Options& options, node::StopFlag& stop) {
   }
   if (!state.has_value()) return;
   msg::SimBodyDisturbance nothing;  // whoever ends this program takes load and hand away
-  nothing.header(state.value().header());
+  nothing.header = state.value().header;
   (void)output.Write(nothing);
 }
 

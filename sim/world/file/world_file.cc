@@ -137,7 +137,7 @@ static void DescribeJoints(config::Fields& f, WorldConfig* c) {
       g.Fail("name", "'" + name + "' is given twice");
     }
     seen.push_back(name);
-    g.set_linear(g.reads() && found->kind == types::JointKind::kLinear);
+    g.set_linear(g.reads() && found->kind == types::JointKind::kPrismatic);
     Describe(g, joint);
     if (g.reads()) c->joints[static_cast<std::size_t>(found - models.begin())] = joint;
   });

@@ -83,9 +83,9 @@ class Careless final : public node::Component {
     const auto tick = loop_.Next();
     if (!tick) return false;
     const msg::Readout& readout = readout_.value();
-    const std::size_t weights = std::size_t{readout.output_count()} * readout.feature_count();
+    const std::size_t weights = std::size_t{readout.output_count} * readout.feature_count;
     msg::JointCommand command;
-    if (weights > 0) command.velocity_rad_s()[0] = readout.weight().at(weights - 1);
+    if (weights > 0) command.velocity_rad_s[0] = readout.weight.at(weights - 1);
     loop_.Publish(output_, command, *tick);
     return true;
   }

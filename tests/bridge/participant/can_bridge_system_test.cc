@@ -12,59 +12,59 @@ namespace {
 
 TEST(CanBridgeSystem, TorqueMovesTheLinkThroughFramesAndTheStateComesBack) {
   Rig rig(90);
-  ASSERT_TRUE(rig.Run(0.0, seconds(20), [](const msg::JointState& s) { return s.valid()[0]; }))
+  ASSERT_TRUE(rig.Run(0.0, seconds(20), [](const msg::JointState& s) { return s.valid[0]; }))
       << rig.bridge().error() << rig.axes().error();
-  EXPECT_EQ(rig.last().robot_state(), msg::ROBOT_DISARMED);
-  EXPECT_EQ(rig.last().header().origin(), msg::ORIGIN_SIM);
-  EXPECT_EQ(rig.last().joint_count(), 1);
-  const double start_rad = rig.last().position_rad()[0];
+  EXPECT_EQ(rig.last().robot_state, msg::RobotState::kDisarmed);
+  EXPECT_EQ(rig.last().header.origin, msg::Origin::kSim);
+  EXPECT_EQ(rig.last().joint_count, 1);
+  const double start_rad = rig.last().position_rad[0];
 
   // Disarmed: a torque moves nothing.
-  std::uint64_t until = rig.last().header().tick() + 60;
-  ASSERT_TRUE(rig.Run(0.1, seconds(10),
-                      [&](const msg::JointState& s) { return s.header().tick() > until; }));
-  EXPECT_NEAR(rig.last().position_rad()[0], start_rad, 0.005);
+  std::uint64_t until = rig.last().header.tick + 60;
+  ASSERT_TRUE(
+      rig.Run(0.1, seconds(10), [&](const msg::JointState& s) { return s.header.tick > until; }));
+  EXPECT_NEAR(rig.last().position_rad[0], start_rad, 0.005);
 
   ASSERT_TRUE(rig.Arm()) << rig.bridge().error();
   // 0.04 Nm at the motor are 3.1 Nm at the output: more than the 1.2 Nm that hold the rested link.
   EXPECT_TRUE(rig.Run(0.04, seconds(10),
                       [&](const msg::JointState& state) {
-                        return state.position_rad()[0] > start_rad + 0.05 &&
-                               state.velocity_rad_s()[0] > 0.0 && state.torque_Nm()[0] > 1.0 &&
+                        return state.position_rad[0] > start_rad + 0.05 &&
+                               state.velocity_rad_s[0] > 0.0 && state.torque_Nm[0] > 1.0 &&
                                rig.actuator() &&
-                               std::abs(rig.actuator()->motor_current_A()[0] - 0.04 / 0.0159155) <
+                               std::abs(rig.actuator()->motor_current_A[0] - 0.04 / 0.0159155) <
                                    0.3;
                       }))
-      << rig.last().position_rad()[0] << rig.bridge().error();
-  EXPECT_NEAR(rig.actuator()->motor_position_rad()[0] / 100.0, rig.last().position_rad()[0], 0.06)
+      << rig.last().position_rad[0] << rig.bridge().error();
+  EXPECT_NEAR(rig.actuator()->motor_position_rad[0] / 100.0, rig.last().position_rad[0], 0.06)
       << "but for the play";
-  EXPECT_GT(rig.actuator()->chamber_pressure_bar()[0], 0.5);
-  EXPECT_TRUE(rig.actuator()->valve_open()[0]);
-  EXPECT_GT(rig.actuator()->motor_temperature_degC()[0], 15.0);
+  EXPECT_GT(rig.actuator()->chamber_pressure_bar[0], 0.5);
+  EXPECT_TRUE(rig.actuator()->valve_open[0]);
+  EXPECT_GT(rig.actuator()->motor_temperature_degC[0], 15.0);
 
   // The valve follows its command.
   rig.valve_open = false;
   EXPECT_TRUE(rig.Run(0.0, seconds(10), [&](const msg::JointState&) {
-    return rig.actuator() && !rig.actuator()->valve_open()[0];
+    return rig.actuator() && !rig.actuator()->valve_open[0];
   }));
 
-  rig.Operator(msg::OPERATOR_DISARM);
+  rig.Operator(msg::OperatorAction::kDisarm);
   EXPECT_TRUE(rig.Run(0.0, seconds(10), [](const msg::JointState& s) {
-    return s.robot_state() == msg::ROBOT_DISARMED;
+    return s.robot_state == msg::RobotState::kDisarmed;
   })) << rig.bridge().error();
 
   ASSERT_TRUE(rig.Run(0.0, seconds(10), [&](const msg::JointState&) {
-    return rig.status() && rig.status()->load_percent()[0] > 0.0;
+    return rig.status() && rig.status()->load_percent[0] > 0.0;
   })) << "the load is reported once a second";
-  EXPECT_EQ(rig.status()->bus_count(), 1);
-  EXPECT_TRUE(rig.status()->up()[0]);
-  EXPECT_EQ(rig.status()->error_frames()[0], 0U);
-  EXPECT_GT(rig.status()->load_percent()[0], 5.0);
-  EXPECT_LT(rig.status()->load_percent()[0], 60.0);
-  EXPECT_GT(rig.status()->answer_p50_us()[0], 150.0) << "two frames at 1 Mbit/s";
-  EXPECT_GE(rig.status()->answer_max_us()[0], rig.status()->answer_p50_us()[0]);
-  RecordProperty("bus_load_percent", std::to_string(rig.status()->load_percent()[0]));
-  RecordProperty("cycle_p50_us", std::to_string(rig.status()->cycle_p50_us()));
+  EXPECT_EQ(rig.status()->bus_count, 1);
+  EXPECT_TRUE(rig.status()->up[0]);
+  EXPECT_EQ(rig.status()->error_frames[0], 0U);
+  EXPECT_GT(rig.status()->load_percent[0], 5.0);
+  EXPECT_LT(rig.status()->load_percent[0], 60.0);
+  EXPECT_GT(rig.status()->answer_p50_us[0], 150.0) << "two frames at 1 Mbit/s";
+  EXPECT_GE(rig.status()->answer_max_us[0], rig.status()->answer_p50_us[0]);
+  RecordProperty("bus_load_percent", std::to_string(rig.status()->load_percent[0]));
+  RecordProperty("cycle_p50_us", std::to_string(rig.status()->cycle_p50_us));
 
   // The log has the torque setpoint as a frame: 0.04 Nm of the motor are 0.0346411 Nm of the
   // controller.
@@ -79,11 +79,11 @@ TEST(CanBridgeSystem, TorqueMovesTheLinkThroughFramesAndTheStateComesBack) {
 
 TEST(CanBridgeSystem, DeadControllersAreAFaultThatOnlyAnOperatorEnds) {
   Rig rig(91);
-  ASSERT_TRUE(rig.Run(0.0, seconds(20), [](const msg::JointState& s) { return s.valid()[0]; }));
+  ASSERT_TRUE(rig.Run(0.0, seconds(20), [](const msg::JointState& s) { return s.valid[0]; }));
   ASSERT_TRUE(rig.Arm());
   rig.axes().Signal(SIGKILL);
   EXPECT_TRUE(rig.Run(0.0, seconds(10), [](const msg::JointState& s) {
-    return s.robot_state() == msg::ROBOT_FAULT && !s.valid()[0];
+    return s.robot_state == msg::RobotState::kFault && !s.valid[0];
   })) << rig.bridge().error();
   // Estimates or the sensor node, whichever timed out first.
   EXPECT_TRUE(rig.bridge().WaitForText("fault: joint 'joint' (node 3): no", seconds(5)))
@@ -91,36 +91,36 @@ TEST(CanBridgeSystem, DeadControllersAreAFaultThatOnlyAnOperatorEnds) {
 
   // They come back, and nothing moves until it was reset and armed.
   rig.StartAxes();
-  ASSERT_TRUE(rig.Run(0.04, seconds(15), [](const msg::JointState& s) { return s.valid()[0]; }));
-  EXPECT_EQ(rig.last().robot_state(), msg::ROBOT_FAULT);
-  const double rest_rad = rig.last().position_rad()[0];
-  const std::uint64_t until = rig.last().header().tick() + 60;
-  ASSERT_TRUE(rig.Run(0.04, seconds(10),
-                      [&](const msg::JointState& s) { return s.header().tick() > until; }));
-  EXPECT_NEAR(rig.last().position_rad()[0], rest_rad, 0.005);
+  ASSERT_TRUE(rig.Run(0.04, seconds(15), [](const msg::JointState& s) { return s.valid[0]; }));
+  EXPECT_EQ(rig.last().robot_state, msg::RobotState::kFault);
+  const double rest_rad = rig.last().position_rad[0];
+  const std::uint64_t until = rig.last().header.tick + 60;
+  ASSERT_TRUE(
+      rig.Run(0.04, seconds(10), [&](const msg::JointState& s) { return s.header.tick > until; }));
+  EXPECT_NEAR(rig.last().position_rad[0], rest_rad, 0.005);
   ASSERT_TRUE(rig.Run(0.0, seconds(15), [&rig, k = 0](const msg::JointState& s) mutable {
-    if (k++ % 50 == 0) rig.Operator(msg::OPERATOR_RESET);
-    return s.robot_state() == msg::ROBOT_DISARMED;
+    if (k++ % 50 == 0) rig.Operator(msg::OperatorAction::kReset);
+    return s.robot_state == msg::RobotState::kDisarmed;
   })) << rig.bridge().error();
   EXPECT_TRUE(rig.Arm()) << rig.bridge().error();
 }
 
 TEST(CanBridgeSystem, KilledBridgeLeavesTheMotorIdleByTheControllersWatchdog) {
   Rig rig(92);
-  ASSERT_TRUE(rig.Run(0.0, seconds(20), [](const msg::JointState& s) { return s.valid()[0]; }));
+  ASSERT_TRUE(rig.Run(0.0, seconds(20), [](const msg::JointState& s) { return s.valid[0]; }));
   ASSERT_TRUE(rig.Arm());
   ASSERT_TRUE(
-      rig.Run(0.02, seconds(5), [](const msg::JointState& s) { return s.torque_Nm()[0] > 0.5; }));
+      rig.Run(0.02, seconds(5), [](const msg::JointState& s) { return s.torque_Nm[0] > 0.5; }));
   rig.bridge().Signal(SIGKILL);
   (void)rig.bridge().Wait(seconds(5));
   // A new bridge finds the axis idle, clears its error, and stays disarmed.
   rig.StartBridge();
-  const std::uint64_t session = rig.last().header().session_id();
+  const std::uint64_t session = rig.last().header.session_id;
   ASSERT_TRUE(rig.Run(0.02, seconds(20), [&](const msg::JointState& s) {
-    return s.header().session_id() != session && s.valid()[0];
+    return s.header.session_id != session && s.valid[0];
   })) << rig.bridge().error();
-  EXPECT_EQ(rig.last().robot_state(), msg::ROBOT_DISARMED) << rig.bridge().error();
-  EXPECT_NEAR(rig.last().torque_Nm()[0], 0.0, 0.3) << "noise of the current sensor, times the gear";
+  EXPECT_EQ(rig.last().robot_state, msg::RobotState::kDisarmed) << rig.bridge().error();
+  EXPECT_NEAR(rig.last().torque_Nm[0], 0.0, 0.3) << "noise of the current sensor, times the gear";
   EXPECT_NE(ReadText(rig.log()).find(" 061#00080000"), std::string::npos)
       << "the axis reported the expiry of its watchdog";
 }
@@ -128,10 +128,10 @@ TEST(CanBridgeSystem, KilledBridgeLeavesTheMotorIdleByTheControllersWatchdog) {
 // Ended by the signal while a torque moves the joint.
 void IdlesBeforeItEnds(int signal) {
   Rig rig(98);
-  ASSERT_TRUE(rig.Run(0.0, seconds(20), [](const msg::JointState& s) { return s.valid()[0]; }));
+  ASSERT_TRUE(rig.Run(0.0, seconds(20), [](const msg::JointState& s) { return s.valid[0]; }));
   ASSERT_TRUE(rig.Arm());
   ASSERT_TRUE(
-      rig.Run(0.02, seconds(5), [](const msg::JointState& s) { return s.torque_Nm()[0] > 0.5; }));
+      rig.Run(0.02, seconds(5), [](const msg::JointState& s) { return s.torque_Nm[0] > 0.5; }));
   rig.bridge().Signal(signal);
   EXPECT_EQ(rig.bridge().Wait(seconds(10)), 0) << rig.bridge().error();
   const std::string frames = ReadText(rig.log());
@@ -149,10 +149,9 @@ TEST(CanBridgeSystem, AQuitOfTheTerminalIdlesTheMotorBeforeTheBridgeEnds) {
 
 TEST(CanBridgeSystem, WhenOneJointFailsTheOtherHoldsAsDeclared) {
   Rig rig(95, {.second_joint = true, .rest = "hold"});
-  ASSERT_TRUE(rig.Run(0.0, seconds(20),
-                      [](const msg::JointState& s) {
-                        return s.joint_count() == 2 && s.valid()[0] && s.valid()[1];
-                      }))
+  ASSERT_TRUE(rig.Run(
+      0.0, seconds(20),
+      [](const msg::JointState& s) { return s.joint_count == 2 && s.valid[0] && s.valid[1]; }))
       << rig.bridge().error() << rig.axes().error();
   ASSERT_TRUE(rig.Arm());
   // Both follow: their setpoints are of this torque.
@@ -166,7 +165,7 @@ TEST(CanBridgeSystem, WhenOneJointFailsTheOtherHoldsAsDeclared) {
   can::VirtualCan other({.bus = rig.bus_path()});
   ASSERT_EQ(other.Send(can::Encode(4, can::Estop{}, can::Firmware::k0_5_6)), can::SendStatus::kOk);
   ASSERT_TRUE(rig.Run(0.001, seconds(10), [](const msg::JointState& s) {
-    return s.robot_state() == msg::ROBOT_FAULT;
+    return s.robot_state == msg::RobotState::kFault;
   }));
   EXPECT_TRUE(rig.bridge().WaitForText("joint 'second' (node 4): axis error", seconds(5)))
       << rig.bridge().error();
@@ -186,7 +185,7 @@ TEST(CanBridgeSystem, WhenOneJointFailsTheOtherHoldsAsDeclared) {
   EXPECT_EQ(since.find(follows), std::string::npos);
 
   // The operator lets go.
-  rig.Operator(msg::OPERATOR_DISARM);
+  rig.Operator(msg::OperatorAction::kDisarm);
   EXPECT_TRUE(rig.Run(0.001, seconds(10), [&](const msg::JointState&) {
     const std::string frames = ReadText(rig.log());
     return frames.find(" 067#01000000", frames.find(" 06C#")) != std::string::npos;
@@ -203,22 +202,22 @@ TEST(CanBridgeSystem, GatewayCarriesReferencesAndStates) {
   node::Node listener(options);
   auto feet = listener.MakeReader(node::kFootForce);
   auto imu = listener.MakeReader(node::kImu);
-  ASSERT_TRUE(rig.Run(0.0, seconds(20), [](const msg::JointState& s) { return s.valid()[0]; }))
+  ASSERT_TRUE(rig.Run(0.0, seconds(20), [](const msg::JointState& s) { return s.valid[0]; }))
       << rig.bridge().error() << rig.axes().error();
-  const double start_rad = rig.last().position_rad()[0];
+  const double start_rad = rig.last().position_rad[0];
   rig.position_rad = start_rad;
   ASSERT_TRUE(rig.Arm()) << rig.bridge().error();
   rig.position_rad = start_rad + 0.3;
   EXPECT_TRUE(rig.Run(0.0, seconds(15),
                       [&](const msg::JointState& s) {
-                        return std::abs(s.position_rad()[0] - start_rad - 0.3) < 0.05;
+                        return std::abs(s.position_rad[0] - start_rad - 0.3) < 0.05;
                       }))
-      << rig.last().position_rad()[0] << rig.bridge().error();
-  EXPECT_EQ(rig.last().robot_state(), msg::ROBOT_ARMED) << rig.bridge().error();
+      << rig.last().position_rad[0] << rig.bridge().error();
+  EXPECT_EQ(rig.last().robot_state, msg::RobotState::kArmed) << rig.bridge().error();
   bool forces = false, body = false;
   EXPECT_TRUE(rig.Run(0.0, seconds(10), [&](const msg::JointState&) {
-    while (const auto message = feet.TakeNext()) forces = forces || message->valid()[0];
-    while (const auto message = imu.TakeNext()) body = body || message->valid();
+    while (const auto message = feet.TakeNext()) forces = forces || message->valid[0];
+    while (const auto message = imu.TakeNext()) body = body || message->valid;
     return forces && body;
   })) << "foot_force and imu";
   // On the bus: references 0x601-0x603, states 0x604-0x611; of the axis itself only the measured
@@ -242,20 +241,20 @@ TEST(CanBridgeSystem, GatewayCarriesReferencesAndStates) {
 // The world instead of the surrogate behind the same axes.
 TEST(CanBridgeSystem, AWorldBehindTheAxesFollowsAPosition) {
   Rig rig(97, {.world = true});
-  ASSERT_TRUE(rig.Run(0.0, seconds(20), [](const msg::JointState& s) { return s.valid()[0]; }))
+  ASSERT_TRUE(rig.Run(0.0, seconds(20), [](const msg::JointState& s) { return s.valid[0]; }))
       << rig.bridge().error() << rig.axes().error();
-  const double start_rad = rig.last().position_rad()[0];
+  const double start_rad = rig.last().position_rad[0];
   EXPECT_NEAR(start_rad, -1.2, 0.1) << "as its file says";
   rig.position_rad = start_rad;
   ASSERT_TRUE(rig.Arm()) << rig.bridge().error();
   EXPECT_TRUE(rig.Run(0.0, seconds(15),
                       [&](const msg::JointState& s) {
                         // Slowly: the command leads the link by a little.
-                        rig.position_rad = std::min(start_rad + 0.3, s.position_rad()[0] + 0.05);
-                        return s.position_rad()[0] > start_rad + 0.2;
+                        rig.position_rad = std::min(start_rad + 0.3, s.position_rad[0] + 0.05);
+                        return s.position_rad[0] > start_rad + 0.2;
                       }))
-      << rig.last().position_rad()[0] << rig.bridge().error();
-  EXPECT_EQ(rig.last().robot_state(), msg::ROBOT_ARMED) << rig.bridge().error();
+      << rig.last().position_rad[0] << rig.bridge().error();
+  EXPECT_EQ(rig.last().robot_state, msg::RobotState::kArmed) << rig.bridge().error();
 }
 
 // The whole deployment: the control test of the rig through frames. Domain 94.

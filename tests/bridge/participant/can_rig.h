@@ -165,19 +165,19 @@ class Rig {
       if (!state) continue;
       last_ = *state;
       msg::JointCommand command;
-      command.header(state->header());
-      command.joint_count(state->joint_count());
-      for (int j = 0; j < state->joint_count(); ++j) {
+      command.header = state->header;
+      command.joint_count = state->joint_count;
+      for (int j = 0; j < state->joint_count; ++j) {
         const auto i = static_cast<std::size_t>(j);
-        command.mode()[i] = position_rad ? msg::COMMAND_POSITION : msg::COMMAND_TORQUE;
-        command.position_rad()[i] = position_rad.value_or(0.0);
-        command.motor_torque_Nm()[i] = motor_torque_Nm;
+        command.mode[i] = position_rad ? msg::CommandMode::kPosition : msg::CommandMode::kTorque;
+        command.position_rad[i] = position_rad.value_or(0.0);
+        command.motor_torque_Nm[i] = motor_torque_Nm;
       }
       (void)commands_.Write(command);
       msg::ValveCommand valves;
-      valves.header(state->header());
-      valves.joint_count(1);
-      valves.valve_open()[0] = valve_open;
+      valves.header = state->header;
+      valves.joint_count = 1;
+      valves.valve_open[0] = valve_open;
       (void)valves_.Write(valves);
       while (const auto actuator = actuators_.TakeNext()) actuator_ = *actuator;
       while (const auto bus = bus_status_.TakeNext()) status_ = *bus;
@@ -187,15 +187,15 @@ class Rig {
   }
   void Operator(msg::OperatorAction action) {
     msg::OperatorCommand command;
-    command.header(last_.header());
-    command.action(action);
+    command.header = last_.header;
+    command.action = action;
     (void)operator_.Write(command);
   }
   // Sends this action, again every 0.2 s, until the provider is in the state.
   bool Order(msg::OperatorAction action, msg::RobotState state) {
     auto next = std::chrono::steady_clock::now();
     return Run(0.0, seconds(15), [&](const msg::JointState& s) {
-      if (s.robot_state() == state) return true;
+      if (s.robot_state == state) return true;
       if (std::chrono::steady_clock::now() >= next) {
         Operator(action);
         next = std::chrono::steady_clock::now() + milliseconds(200);
@@ -203,7 +203,7 @@ class Rig {
       return false;
     });
   }
-  bool Arm() { return Order(msg::OPERATOR_ARM, msg::ROBOT_ARMED); }
+  bool Arm() { return Order(msg::OperatorAction::kArm, msg::RobotState::kArmed); }
 
   const msg::JointState& last() const { return last_; }
   const std::optional<msg::ActuatorState>& actuator() const { return actuator_; }

@@ -34,7 +34,7 @@ std::string DomainText(int domain) { return std::to_string(domain); }
 // Armed, and the axis in closed-loop control.
 bool Drives(Rig* rig, AxisWatch* watch) {
   return rig->Arm() && rig->Run(0.001, seconds(15), [&](const msg::JointState& s) {
-    return s.robot_state() == msg::ROBOT_ARMED && watch->InClosedLoop();
+    return s.robot_state == msg::RobotState::kArmed && watch->InClosedLoop();
   });
 }
 
@@ -49,7 +49,7 @@ bool MayBeRealtime() {
 
 bool Reaches(Rig* rig, msg::RobotState state) {
   return rig->Run(0.0, seconds(15),
-                  [&](const msg::JointState& s) { return s.robot_state() == state; });
+                  [&](const msg::JointState& s) { return s.robot_state == state; });
 }
 
 // Presses 12 times; the median, since a loaded machine stalls this test. bench/estop measures the
@@ -71,7 +71,8 @@ TEST(EstopSystem, FromThePressOfTheSocketToTheIdleFramesItIsUnderTwentyMilliseco
       ASSERT_TRUE(idle_ms) << rig.bridge().error();
       took_ms.push_back(*idle_ms);
       EXPECT_EQ(press.Await(seconds(5)).text, "idle\nlatched\n");
-      ASSERT_TRUE(rig.Order(msg::OPERATOR_RESET, msg::ROBOT_DISARMED)) << rig.bridge().error();
+      ASSERT_TRUE(rig.Order(msg::OperatorAction::kReset, msg::RobotState::kDisarmed))
+          << rig.bridge().error();
       EXPECT_FALSE(std::filesystem::exists(rig.folder() / "estop.latch"));
     }
     std::sort(took_ms.begin(), took_ms.end());
@@ -111,7 +112,8 @@ TEST(EstopSystem, ACycleThatWaitsIsWoken) {
     const auto idle_ms = watch.IdleAfter(pressed_ns);
     ASSERT_TRUE(idle_ms) << rig.bridge().error();
     EXPECT_LT(*idle_ms, 125.0) << "half a period";
-    ASSERT_TRUE(rig.Order(msg::OPERATOR_RESET, msg::ROBOT_DISARMED)) << rig.bridge().error();
+    ASSERT_TRUE(rig.Order(msg::OperatorAction::kReset, msg::RobotState::kDisarmed))
+        << rig.bridge().error();
   }
 }
 
@@ -127,33 +129,34 @@ TEST(EstopSystem, ALatchedEstopOutlivesTheBridgeUntilAReset) {
   };
   const testing::Finished far = estop((rig.folder() / "nobody.sock").string());
   ASSERT_EQ(far.exit_code, 0) << far.error;
-  ASSERT_TRUE(Reaches(&rig, msg::ROBOT_ESTOPPED));
+  ASSERT_TRUE(Reaches(&rig, msg::RobotState::kEstopped));
   ASSERT_TRUE(rig.bridge().WaitForText("estop.latch: latched", seconds(10)));
   EXPECT_EQ(estop::LatchFile(latch).Read().why, "a hand");
 
   const auto restart = [&] {
-    const std::uint64_t session = rig.last().header().session_id();
+    const std::uint64_t session = rig.last().header.session_id;
     rig.bridge().Signal(SIGKILL);
     (void)rig.bridge().Wait(seconds(5));
     rig.StartBridge();
     return rig.Run(0.001, seconds(20), [&](const msg::JointState& s) {
-      return s.header().session_id() != session && s.valid()[0];
+      return s.header.session_id != session && s.valid[0];
     });
   };
   ASSERT_TRUE(restart()) << rig.bridge().error();
-  EXPECT_EQ(rig.last().robot_state(), msg::ROBOT_ESTOPPED);
+  EXPECT_EQ(rig.last().robot_state, msg::RobotState::kEstopped);
   EXPECT_TRUE(rig.bridge().WaitForText("by the latch of an earlier estop: a hand", seconds(5)));
-  const std::uint64_t until = rig.last().header().tick() + 120;
+  const std::uint64_t until = rig.last().header.tick + 120;
   ASSERT_TRUE(rig.Run(0.001, seconds(10), [&](const msg::JointState& s) {
-    if (s.header().tick() % 20 == 0) rig.Operator(msg::OPERATOR_ARM);
-    return s.header().tick() > until;
+    if (s.header.tick % 20 == 0) rig.Operator(msg::OperatorAction::kArm);
+    return s.header.tick > until;
   }));
-  EXPECT_EQ(rig.last().robot_state(), msg::ROBOT_ESTOPPED) << "arm is refused";
+  EXPECT_EQ(rig.last().robot_state, msg::RobotState::kEstopped) << "arm is refused";
 
-  ASSERT_TRUE(rig.Order(msg::OPERATOR_RESET, msg::ROBOT_DISARMED)) << rig.bridge().error();
+  ASSERT_TRUE(rig.Order(msg::OperatorAction::kReset, msg::RobotState::kDisarmed))
+      << rig.bridge().error();
   EXPECT_FALSE(std::filesystem::exists(latch)) << "before the state left ESTOPPED";
   ASSERT_TRUE(restart()) << rig.bridge().error();
-  EXPECT_EQ(rig.last().robot_state(), msg::ROBOT_DISARMED);
+  EXPECT_EQ(rig.last().robot_state, msg::RobotState::kDisarmed);
 
   // On the same host: by the socket and by DDS.
   const testing::Finished here = estop((rig.folder() / "estop.sock").string());
@@ -167,16 +170,16 @@ TEST(EstopSystem, ALatchedEstopOutlivesTheBridgeUntilAReset) {
 TEST(EstopSystem, ALatchThatCannotBeReadIsAnEstopAndNoResetEndsIt) {
   const testing::TemporaryFolder elsewhere;  // a folder stands where the file should be
   Rig rig(44, {.bridge_more = "estop: {latch: " + elsewhere.path().string() + "}\n"});
-  ASSERT_TRUE(rig.Run(0.0, seconds(20), [](const msg::JointState& s) { return s.valid()[0]; }))
+  ASSERT_TRUE(rig.Run(0.0, seconds(20), [](const msg::JointState& s) { return s.valid[0]; }))
       << rig.bridge().error();
-  EXPECT_EQ(rig.last().robot_state(), msg::ROBOT_ESTOPPED);
+  EXPECT_EQ(rig.last().robot_state, msg::RobotState::kEstopped);
   EXPECT_TRUE(rig.bridge().WaitForText("is a folder", seconds(5))) << rig.bridge().error();
-  rig.Operator(msg::OPERATOR_RESET);
+  rig.Operator(msg::OperatorAction::kReset);
   ASSERT_TRUE(rig.Run(0.0, seconds(10), [&](const msg::JointState&) {
     return rig.bridge().WaitForText("reset refused", milliseconds(0));
   })) << rig.bridge().error();
   EXPECT_TRUE(rig.bridge().WaitForText("cannot be removed", seconds(5)));
-  EXPECT_EQ(rig.last().robot_state(), msg::ROBOT_ESTOPPED);
+  EXPECT_EQ(rig.last().robot_state, msg::RobotState::kEstopped);
 }
 
 // A simulated joystick: a FIFO that carries its events.
@@ -220,7 +223,7 @@ TEST(EstopSystem, ARequiredEstopThatIsHungDeadOrHeldStopsTheRobotAndNobodyArms) 
   const auto refusal = [] {
     return testing::Run({std::string(SINEW_BIN_DIR) + "/sinew", "arm", "--domain", "45"}).error;
   };
-  ASSERT_TRUE(rig.Run(0.0, seconds(20), [](const msg::JointState& s) { return s.valid()[0]; }))
+  ASSERT_TRUE(rig.Run(0.0, seconds(20), [](const msg::JointState& s) { return s.valid[0]; }))
       << rig.bridge().error();
   EXPECT_THAT(refusal(), HasSubstr("estop 'button' is silent")) << "it was never there";
   {
@@ -228,21 +231,23 @@ TEST(EstopSystem, ARequiredEstopThatIsHungDeadOrHeldStopsTheRobotAndNobodyArms) 
     ASSERT_TRUE(estop.WaitForText("watches", seconds(10))) << estop.error();
     ASSERT_TRUE(Drives(&rig, &watch)) << rig.bridge().error();
     estop.Signal(SIGSTOP);
-    ASSERT_TRUE(Reaches(&rig, msg::ROBOT_ESTOPPED)) << "it hangs: " << rig.bridge().error();
+    ASSERT_TRUE(Reaches(&rig, msg::RobotState::kEstopped)) << "it hangs: " << rig.bridge().error();
     EXPECT_TRUE(rig.bridge().WaitForText("estop 'button' is silent", seconds(5)));
     estop.Signal(SIGCONT);
-    ASSERT_TRUE(rig.Order(msg::OPERATOR_RESET, msg::ROBOT_DISARMED)) << rig.bridge().error();
+    ASSERT_TRUE(rig.Order(msg::OperatorAction::kReset, msg::RobotState::kDisarmed))
+        << rig.bridge().error();
     ASSERT_TRUE(Drives(&rig, &watch)) << rig.bridge().error();
     stick.Press(1);
-    ASSERT_TRUE(Reaches(&rig, msg::ROBOT_ESTOPPED)) << estop.error();
-    ASSERT_TRUE(rig.Order(msg::OPERATOR_RESET, msg::ROBOT_DISARMED)) << rig.bridge().error();
+    ASSERT_TRUE(Reaches(&rig, msg::RobotState::kEstopped)) << estop.error();
+    ASSERT_TRUE(rig.Order(msg::OperatorAction::kReset, msg::RobotState::kDisarmed))
+        << rig.bridge().error();
     EXPECT_THAT(refusal(), HasSubstr("estop 'button': held"));
     estop.Signal(SIGKILL);
     (void)estop.Wait(seconds(5));
   }
-  const std::uint64_t until = rig.last().header().tick() + 120;
-  ASSERT_TRUE(rig.Run(0.0, seconds(10),
-                      [&](const msg::JointState& s) { return s.header().tick() > until; }));
+  const std::uint64_t until = rig.last().header.tick + 120;
+  ASSERT_TRUE(
+      rig.Run(0.0, seconds(10), [&](const msg::JointState& s) { return s.header.tick > until; }));
   EXPECT_THAT(refusal(), HasSubstr("estop 'button' is silent")) << "killed with the button held";
 }
 
@@ -256,23 +261,24 @@ TEST(EstopSystem, AButtonStopsTheRobotAndALostOneKeepsItStopped) {
   ASSERT_TRUE(estop.WaitForText("watches", seconds(10))) << estop.error();
   ASSERT_TRUE(Drives(&rig, &watch)) << rig.bridge().error();
   stick.Press(1);
-  ASSERT_TRUE(Reaches(&rig, msg::ROBOT_ESTOPPED)) << estop.error();
+  ASSERT_TRUE(Reaches(&rig, msg::RobotState::kEstopped)) << estop.error();
   // While it is held, a reset does not last.
-  ASSERT_TRUE(rig.Order(msg::OPERATOR_RESET, msg::ROBOT_DISARMED)) << rig.bridge().error();
-  ASSERT_TRUE(Reaches(&rig, msg::ROBOT_ESTOPPED)) << estop.error();
+  ASSERT_TRUE(rig.Order(msg::OperatorAction::kReset, msg::RobotState::kDisarmed))
+      << rig.bridge().error();
+  ASSERT_TRUE(Reaches(&rig, msg::RobotState::kEstopped)) << estop.error();
   stick.Press(0);
-  ASSERT_TRUE(rig.Order(msg::OPERATOR_RESET, msg::ROBOT_DISARMED));
+  ASSERT_TRUE(rig.Order(msg::OperatorAction::kReset, msg::RobotState::kDisarmed));
   ASSERT_TRUE(Drives(&rig, &watch)) << rig.bridge().error();
 
   stick.Unplug();
-  ASSERT_TRUE(Reaches(&rig, msg::ROBOT_ESTOPPED)) << estop.error();
+  ASSERT_TRUE(Reaches(&rig, msg::RobotState::kEstopped)) << estop.error();
   EXPECT_TRUE(estop.WaitForText("end of the input", seconds(5))) << estop.error();
-  ASSERT_TRUE(rig.Order(msg::OPERATOR_RESET, msg::ROBOT_DISARMED));
-  ASSERT_TRUE(Reaches(&rig, msg::ROBOT_ESTOPPED)) << "nobody watches";
+  ASSERT_TRUE(rig.Order(msg::OperatorAction::kReset, msg::RobotState::kDisarmed));
+  ASSERT_TRUE(Reaches(&rig, msg::RobotState::kEstopped)) << "nobody watches";
 
   stick.Plug();
   ASSERT_TRUE(estop.WaitForText("is there again", seconds(10))) << estop.error();
-  ASSERT_TRUE(rig.Order(msg::OPERATOR_RESET, msg::ROBOT_DISARMED));
+  ASSERT_TRUE(rig.Order(msg::OperatorAction::kReset, msg::RobotState::kDisarmed));
   EXPECT_TRUE(Drives(&rig, &watch)) << estop.error();
   estop.Signal(SIGTERM);
   EXPECT_EQ(estop.Wait(seconds(10)), 0) << estop.error();
@@ -321,7 +327,7 @@ TEST(EstopSystem, TheHostsSocketIsFoundAndNoneInTmpOrTheShellsFolderCounts) {
   EXPECT_THAT(nobody.error, Not(HasSubstr("motors are off")));
 
   Rig rig(112, {.bridge_more = "estop: {socket: default, latch: default}\n"});
-  ASSERT_TRUE(rig.Run(0.0, seconds(20), [](const msg::JointState& s) { return s.valid()[0]; }))
+  ASSERT_TRUE(rig.Run(0.0, seconds(20), [](const msg::JointState& s) { return s.valid[0]; }))
       << rig.bridge().error();
   const testing::Finished here = estop("112", "10");
   ASSERT_EQ(here.exit_code, 0) << here.error;

@@ -32,7 +32,7 @@ void End(Rig* rig) {
   EXPECT_EQ(rig->bridge().Wait(seconds(10)), 0) << rig->bridge().error();
 }
 
-bool IsValid(const msg::JointState& state) { return state.valid()[0]; }
+bool IsValid(const msg::JointState& state) { return state.valid[0]; }
 
 TEST(WatchdogProofSystem, OnlyAnAxisWhoseWatchdogWasProvenIsArmed) {
   Rig rig(46, Proven(80));  // the axes' process is late now and then
@@ -43,10 +43,10 @@ TEST(WatchdogProofSystem, OnlyAnAxisWhoseWatchdogWasProvenIsArmed) {
               AllOf(HasSubstr("arm refused"), HasSubstr("joint 'joint' (axis node 3"),
                     HasSubstr("3861324D3037"), HasSubstr("--prove-watchdogs")));
   EXPECT_TRUE(rig.bridge().WaitForText("arm refused", seconds(5)));
-  const std::uint64_t until = rig.last().header().tick() + 120;
-  ASSERT_TRUE(rig.Run(0.0, seconds(10),
-                      [&](const msg::JointState& s) { return s.header().tick() > until; }));
-  EXPECT_EQ(rig.last().robot_state(), msg::ROBOT_DISARMED);
+  const std::uint64_t until = rig.last().header.tick + 120;
+  ASSERT_TRUE(
+      rig.Run(0.0, seconds(10), [&](const msg::JointState& s) { return s.header.tick > until; }));
+  EXPECT_EQ(rig.last().robot_state, msg::RobotState::kDisarmed);
 
   End(&rig);
   // A machine that stalls for the length of a watchdog spoils a trial, and says so.
@@ -77,10 +77,10 @@ TEST(WatchdogProofSystem, OnlyAnAxisWhoseWatchdogWasProvenIsArmed) {
     EXPECT_THAT(refusal.error, HasSubstr("commands it already"));
   }
   EXPECT_EQ(bridge::ReadProofs(rig.folder() / "proof.yaml").size(), 1U);
-  const std::uint64_t later = rig.last().header().tick() + 60;
-  ASSERT_TRUE(rig.Run(0.0, seconds(10),
-                      [&](const msg::JointState& s) { return s.header().tick() > later; }));
-  EXPECT_EQ(rig.last().robot_state(), msg::ROBOT_ARMED) << rig.bridge().error();
+  const std::uint64_t later = rig.last().header.tick + 60;
+  ASSERT_TRUE(
+      rig.Run(0.0, seconds(10), [&](const msg::JointState& s) { return s.header.tick > later; }));
+  EXPECT_EQ(rig.last().robot_state, msg::RobotState::kArmed) << rig.bridge().error();
 }
 
 TEST(WatchdogProofSystem, AnAxisWhoseWatchdogIsOffGetsNoProofAndIsNotArmed) {

@@ -14,13 +14,13 @@ int main(int argc, char** argv) {
         auto& state = loop.AddInput(sinew::node::kJointState);
         auto output = node.MakeWriter(sinew::node::kReference);
         sinew::msg::Reference reference;
-        reference.joint_count(0);
+        reference.joint_count = 0;
         while (const auto tick = loop.Next()) {
-          if (reference.joint_count() == 0) {
-            reference.joint_count(state.value().joint_count());
-            reference.position_rad(state.value().position_rad());
+          if (reference.joint_count == 0) {
+            reference.joint_count = state.value().joint_count;
+            reference.position_rad = state.value().position_rad;
           }
-          reference.state_tick(state.tick());
+          reference.state_tick = state.tick();
           loop.Publish(output, reference, *tick);
         }
       });

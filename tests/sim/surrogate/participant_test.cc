@@ -49,12 +49,12 @@ Seen RunLockstep(int domain, const std::vector<std::string>& extra) {
     seen.joints.push_back(*state);
     while (auto actuator = actuator_state.TakeNext()) seen.actuators.push_back(*actuator);
     msg::JointCommand command;
-    command.header(state->header());
-    command.joint_count(1);
-    command.mode()[0] = msg::COMMAND_TORQUE;
-    command.motor_torque_Nm()[0] = 0.02;
+    command.header = state->header;
+    command.joint_count = 1;
+    command.mode[0] = msg::CommandMode::kTorque;
+    command.motor_torque_Nm[0] = 0.02;
     EXPECT_EQ(joint_command.Write(command), node::WriteStatus::kOk);
-    if (state->last_tick()) break;
+    if (state->last_tick) break;
   }
   EXPECT_EQ(program.Wait(seconds(20)), 0) << program.error();
   while (auto actuator = actuator_state.TakeNext()) seen.actuators.push_back(*actuator);
@@ -66,17 +66,17 @@ TEST(SurrogateParticipant, PublishesEveryTickOfALockstepSessionAndMovesWhenComma
   ASSERT_EQ(seen.joints.size(), 240u);
   ASSERT_EQ(seen.actuators.size(), 240u);
   for (std::size_t i = 0; i < seen.joints.size(); ++i) {
-    ASSERT_EQ(seen.joints[i].header().tick(), i);
-    ASSERT_EQ(seen.joints[i].header().origin(), msg::ORIGIN_SIM);
-    ASSERT_EQ(seen.joints[i].joint_count(), 1);
-    ASSERT_TRUE(seen.joints[i].valid()[0]);
+    ASSERT_EQ(seen.joints[i].header.tick, i);
+    ASSERT_EQ(seen.joints[i].header.origin, msg::Origin::kSim);
+    ASSERT_EQ(seen.joints[i].joint_count, 1);
+    ASSERT_TRUE(seen.joints[i].valid[0]);
   }
-  EXPECT_EQ(seen.joints.back().robot_state(), msg::ROBOT_ARMED);
+  EXPECT_EQ(seen.joints.back().robot_state, msg::RobotState::kArmed);
   // 0.02 N·m at the motor is 1.54 N·m at the output, against 1.22 of breakaway and with 4 bar
   // behind it.
-  EXPECT_GT(seen.joints.back().position_rad()[0], 0.2);
-  EXPECT_GT(seen.actuators.back().motor_current_A()[0], 1.0);
-  EXPECT_NEAR(seen.actuators.front().chamber_pressure_bar()[0], 4.0, 0.05);
+  EXPECT_GT(seen.joints.back().position_rad[0], 0.2);
+  EXPECT_GT(seen.actuators.back().motor_current_A[0], 1.0);
+  EXPECT_NEAR(seen.actuators.front().chamber_pressure_bar[0], 4.0, 0.05);
 }
 
 TEST(SurrogateParticipant, OneSeedGivesIdenticalPayloadsAndEffectsChangeThem) {
@@ -88,8 +88,7 @@ TEST(SurrogateParticipant, OneSeedGivesIdenticalPayloadsAndEffectsChangeThem) {
     ASSERT_TRUE(first.actuators[i] == second.actuators[i]) << i;
   }
   const Seen with_effect = RunLockstep(61, {"--seed", "9", "--effect", "payload=1"});
-  EXPECT_LT(with_effect.joints.back().position_rad()[0],
-            first.joints.back().position_rad()[0] - 0.05);
+  EXPECT_LT(with_effect.joints.back().position_rad[0], first.joints.back().position_rad[0] - 0.05);
 }
 
 TEST(SurrogateParticipant, ListsItsEffects) {

@@ -370,7 +370,7 @@ TEST(World, RefusesModelsThatDoNotFitTheUrdf) {
   config.joints.clear();
   EXPECT_THAT(error_of(config), HasSubstr("has no model"));
   config = file.config;
-  config.model.joints[0].kind = types::JointKind::kLinear;
+  config.model.joints[0].kind = types::JointKind::kPrismatic;
   EXPECT_THAT(error_of(config), HasSubstr("revolute"));
   config = file.config;
   config.joints[0].position_rad = 3.0;

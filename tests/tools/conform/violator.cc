@@ -65,10 +65,10 @@ class FalseStatus {
  private:
   void Publish() {
     msg::ComponentStatus status;
-    status.name(name_);
-    status.component_kind("control");
-    status.state(msg::COMPONENT_ACTIVE);
-    status.idl_hash("00000000");
+    status.name = name_;
+    status.component_kind = "control";
+    status.state = msg::ComponentState::kActive;
+    status.idl_hash = "00000000";
     (void)writer_->Write(status);
   }
 
@@ -102,11 +102,11 @@ void RunOnReaders(node::Node& node, node::StopFlag& stop) {
     references = std::max(0, references - 1);
     if (!fresh && Violates("waits_for_inputs")) continue;
     msg::JointCommand command;
-    command.header(state->header());
-    command.joint_count(state->joint_count());
-    command.stale(!fresh);
+    command.header = state->header;
+    command.joint_count = state->joint_count;
+    command.stale = !fresh;
     (void)output.Write(command);
-    if (state->last_tick()) return;
+    if (state->last_tick) return;
   }
 }
 
@@ -141,16 +141,15 @@ class Violator {
   void Step(const node::Tick& tick) {
     TakeOperatorCommands(tick);
     msg::JointCommand command = MakeCommand();
-    auto& header = command.header();
-    header.session_id(tick.session_id);
+    auto& header = command.header;
+    header.session_id = tick.session_id;
     if (Violates("keeps_session")) {
       if (first_session_ == 0) first_session_ = tick.session_id;
-      header.session_id(first_session_);
+      header.session_id = first_session_;
     }
-    header.tick(tick.tick + (Violates("wrong_tick") ? 1 : 0));
-    header.stamp_ns(tick.stamp_ns);
-    header.origin(Violates("launders_origin") ? msg::ORIGIN_SIM
-                                              : static_cast<msg::Origin>(tick.origin));
+    header.tick = tick.tick + (Violates("wrong_tick") ? 1 : 0);
+    header.stamp_ns = tick.stamp_ns;
+    header.origin = Violates("launders_origin") ? msg::Origin::kSim : tick.origin;
     node::Bytes bytes;
     if (!node::Encode(command, &bytes)) return;
     if (output_) (void)(*output_)(bytes.data(), bytes.size());
@@ -159,22 +158,22 @@ class Violator {
 
   msg::JointCommand MakeCommand() {
     const msg::JointState& state = state_.value();
-    const bool armed = state.robot_state() == msg::ROBOT_ARMED && !estopped_;
+    const bool armed = state.robot_state == msg::RobotState::kArmed && !estopped_;
     const bool drives = (armed && reference_.fresh()) || Violates("torque_when_disarmed");
     was_stale_ = was_stale_ || !reference_.fresh();
     msg::JointCommand command;
-    command.stale(!reference_.fresh());
-    if (Violates("never_stale")) command.stale(false);
-    if (Violates("stays_stale")) command.stale(was_stale_);
-    command.joint_count(
-        static_cast<std::uint8_t>(state.joint_count() + (Violates("wrong_joint_count") ? 1 : 0)));
-    for (std::size_t j = 0; j < state.joint_count(); ++j) {
-      command.mode()[j] = drives ? msg::COMMAND_TORQUE : msg::COMMAND_IDLE;
+    command.stale = !reference_.fresh();
+    if (Violates("never_stale")) command.stale = false;
+    if (Violates("stays_stale")) command.stale = was_stale_;
+    command.joint_count =
+        static_cast<std::uint8_t>(state.joint_count + (Violates("wrong_joint_count") ? 1 : 0));
+    for (std::size_t j = 0; j < state.joint_count; ++j) {
+      command.mode[j] = drives ? msg::CommandMode::kTorque : msg::CommandMode::kIdle;
       if (!drives) continue;
-      command.motor_torque_Nm()[j] = kTorque_Nm;
-      if (Violates("not_finite")) command.motor_torque_Nm()[j] = std::nan("");
-      if (Violates("random")) command.motor_torque_Nm()[j] = 1e-9 * std::random_device()();
-      if (Violates("passes_nan_on")) command.position_rad()[j] = state.position_rad()[j];
+      command.motor_torque_Nm[j] = kTorque_Nm;
+      if (Violates("not_finite")) command.motor_torque_Nm[j] = std::nan("");
+      if (Violates("random")) command.motor_torque_Nm[j] = 1e-9 * std::random_device()();
+      if (Violates("passes_nan_on")) command.position_rad[j] = state.position_rad[j];
     }
     return command;
   }
@@ -182,19 +181,19 @@ class Violator {
   void TakeOperatorCommands(const node::Tick& tick) {
     while (const auto command = operator_.TakeNext()) {
       if (Violates("ignores_estop")) continue;
-      if (command->action() == msg::OPERATOR_ESTOP) estopped_ = true;
-      const bool ours = command->header().session_id() == tick.session_id;
-      if (command->action() == msg::OPERATOR_RESET && ours) estopped_ = false;
+      if (command->action == msg::OperatorAction::kEstop) estopped_ = true;
+      const bool ours = command->header.session_id == tick.session_id;
+      if (command->action == msg::OperatorAction::kReset && ours) estopped_ = false;
     }
   }
 
   void HandOverToItself(const node::Tick& tick) {
     msg::OperatorCommand command;
-    command.header().session_id(tick.session_id);
-    command.header().origin(msg::ORIGIN_SIM);
-    command.action(msg::OPERATOR_HANDOVER);
-    command.role("control");
-    command.target(node_.options().name);
+    command.header.session_id = tick.session_id;
+    command.header.origin = msg::Origin::kSim;
+    command.action = msg::OperatorAction::kHandover;
+    command.role = "control";
+    command.target = node_.options().name;
     (void)handover_->Write(command);
   }
 

@@ -74,7 +74,7 @@ class Bag : public ::testing::Test {
                                       &writer_, &channel->second)
                       .ok());
     }
-    message.header().stamp_ns(stamp_ns_);
+    message.header.stamp_ns = stamp_ns_;
     node::Bytes bytes;
     ASSERT_TRUE(node::Encode(message, &bytes));
     ASSERT_TRUE(writer_.WriteMessage(channel->second, stamp_ns_ + 500, stamp_ns_, bytes).ok());
@@ -122,12 +122,12 @@ class Bag : public ::testing::Test {
 
 TEST_F(Bag, HasJointsByNameAndNothingForALostOne) {
   msg::JointState state;
-  state.joint_count(2);
-  state.position_rad()[0] = 0.5;
-  state.velocity_rad_s()[0] = -0.25;
-  state.torque_Nm()[0] = 3.0;
-  state.position_rad()[1] = 9.0;  // the last known value
-  state.valid()[0] = true;
+  state.joint_count = 2;
+  state.position_rad[0] = 0.5;
+  state.velocity_rad_s[0] = -0.25;
+  state.torque_Nm[0] = 3.0;
+  state.position_rad[1] = 9.0;  // the last known value
+  state.valid[0] = true;
   Add(node::kJointState, state);
   const RosBag written = Write({{"hip", "knee"}, {}, "imu"});
   ASSERT_EQ(written.topics.size(), 1u);
@@ -144,20 +144,20 @@ TEST_F(Bag, HasJointsByNameAndNothingForALostOne) {
 // By the reader of bags: RosTable.
 TEST_F(Bag, IsReadBackBitByBit) {
   msg::JointState state;
-  state.joint_count(2);
-  state.valid().fill(true);
+  state.joint_count = 2;
+  state.valid.fill(true);
   msg::Imu imu;
-  imu.valid(true);
+  imu.valid = true;
   msg::FootForce feet;
-  feet.valid()[5] = true;
+  feet.valid[5] = true;
   constexpr int kMessages = 4;
   for (int i = 0; i < kMessages; ++i) {
-    state.position_rad() = {1.0 / (i + 3), -2.0 / (i + 3)};
-    state.torque_Nm() = {7.0 / (i + 3), i == 2 ? NAN : 1.0};
-    imu.orientation_wxyz() = {0.1 * i, 0.2 * i, 0.3 * i, 0.4 * i};
-    imu.angular_velocity_rad_s() = {1.1 * i, 1.2 * i, 1.3 * i};
-    imu.acceleration_m_s2() = {2.1 * i, 2.2 * i, 2.3 * i};
-    feet.force_N()[5] = 3.1 * i;
+    state.position_rad = {1.0 / (i + 3), -2.0 / (i + 3)};
+    state.torque_Nm = {7.0 / (i + 3), i == 2 ? NAN : 1.0};
+    imu.orientation_wxyz = {0.1 * i, 0.2 * i, 0.3 * i, 0.4 * i};
+    imu.angular_velocity_rad_s = {1.1 * i, 1.2 * i, 1.3 * i};
+    imu.acceleration_m_s2 = {2.1 * i, 2.2 * i, 2.3 * i};
+    feet.force_N[5] = 3.1 * i;
     Add(node::kJointState, state);
     Add(node::kImu, imu);
     Add(node::kFootForce, feet);
@@ -196,7 +196,7 @@ TEST_F(Bag, IsReadBackBitByBit) {
 
 TEST_F(Bag, OfMoreJointsThanTheModelNamesIsRefused) {
   msg::JointState state;
-  state.joint_count(2);
+  state.joint_count = 2;
   Add(node::kJointState, state);
   try {
     Write({{"hip"}, {}, "imu"});
@@ -208,12 +208,12 @@ TEST_F(Bag, OfMoreJointsThanTheModelNamesIsRefused) {
 
 TEST_F(Bag, HasTheImuWithItsQuaternionInTheOrderOfRos) {
   msg::Imu imu;
-  imu.orientation_wxyz() = {0.5, -0.5, 0.25, 0.125};
-  imu.angular_velocity_rad_s() = {1.0, 2.0, 3.0};
-  imu.acceleration_m_s2() = {4.0, 5.0, 6.0};
-  imu.valid(true);
+  imu.orientation_wxyz = {0.5, -0.5, 0.25, 0.125};
+  imu.angular_velocity_rad_s = {1.0, 2.0, 3.0};
+  imu.acceleration_m_s2 = {4.0, 5.0, 6.0};
+  imu.valid = true;
   Add(node::kImu, imu);
-  imu.valid(false);
+  imu.valid = false;
   Add(node::kImu, imu);
   Write({{}, {}, "torso"});
   const auto topics = ReadBag();
@@ -231,9 +231,9 @@ TEST_F(Bag, HasTheImuWithItsQuaternionInTheOrderOfRos) {
 
 TEST_F(Bag, HasAWrenchPerFootSensorInItsFrame) {
   msg::FootForce feet;
-  for (std::size_t i = 0; i < 8; ++i) feet.force_N()[i] = 10.0 * static_cast<double>(i);
-  feet.valid().fill(true);
-  feet.valid()[2] = false;
+  for (std::size_t i = 0; i < 8; ++i) feet.force_N[i] = 10.0 * static_cast<double>(i);
+  feet.valid.fill(true);
+  feet.valid[2] = false;
   Add(node::kFootForce, feet);
   RosNames names;
   names.force_frames[5] = "left_heel";
@@ -250,7 +250,7 @@ TEST_F(Bag, HasAWrenchPerFootSensorInItsFrame) {
 
 TEST_F(Bag, IsDescribedByItsMetadata) {
   msg::JointState state;
-  state.joint_count(1);
+  state.joint_count = 1;
   for (int i = 0; i < 3; ++i) Add(node::kJointState, state);
   Add(node::kJointCommand, msg::JointCommand());
   const RosBag written = Write();

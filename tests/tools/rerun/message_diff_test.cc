@@ -23,12 +23,12 @@ node::Bytes Encoded(const msg::JointCommand& command) {
 
 msg::JointCommand SomeCommand() {
   msg::JointCommand command;
-  command.header().tick(7);
-  command.joint_count(1);
-  command.motor_torque_Nm()[0] = 0.1;
-  command.reference_tick(7);
-  command.actuator_tick(6);
-  command.event_ids({11, 12});
+  command.header.tick = 7;
+  command.joint_count = 1;
+  command.motor_torque_Nm[0] = 0.1;
+  command.reference_tick = 7;
+  command.actuator_tick = 6;
+  command.event_ids = {11, 12};
   return command;
 }
 
@@ -39,8 +39,8 @@ TEST(MessageDiff, EqualPayloadsHaveNoDifference) {
 
 TEST(MessageDiff, TheFirstDifferingFieldIsNamedWithBothValuesAndTheByte) {
   msg::JointCommand other = SomeCommand();
-  other.motor_torque_Nm()[0] = std::nextafter(0.1, 1.0);
-  other.position_rad()[3] = 1.0;
+  other.motor_torque_Nm[0] = std::nextafter(0.1, 1.0);
+  other.position_rad[3] = 1.0;
   const node::Bytes then = Encoded(SomeCommand()), now = Encoded(other);
   const auto difference = FirstDifference(TypeOf("joint_command"), then, now);
   ASSERT_TRUE(difference.has_value());
@@ -53,7 +53,7 @@ TEST(MessageDiff, TheFirstDifferingFieldIsNamedWithBothValuesAndTheByte) {
 
 TEST(MessageDiff, ALongerSequenceDiffersByItsCount) {
   msg::JointCommand other = SomeCommand();
-  other.event_ids({11});
+  other.event_ids = {11};
   const auto difference =
       FirstDifference(TypeOf("joint_command"), Encoded(SomeCommand()), Encoded(other));
   ASSERT_TRUE(difference.has_value());
@@ -91,7 +91,7 @@ TEST(MessageDiff, AnEventHasTheIdOfItsCanonicalPayload) {
   recording::CanonicalizeCdr(TypeOf("joint_command"), &payload);
   EXPECT_EQ(node::EventId(SomeCommand()), node::EventId(std::span<const std::byte>(payload)));
   msg::JointCommand other = SomeCommand();
-  other.stale(true);
+  other.stale = true;
   EXPECT_NE(node::EventId(SomeCommand()), node::EventId(other));
 }
 

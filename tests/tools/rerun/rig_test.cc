@@ -41,9 +41,9 @@ constexpr std::uint64_t kSnapshotTick = 500;
 void RequestSnapshots(node::Node& operators, std::uint64_t session_id) {
   auto writer = operators.MakeWriter(node::kSnapshotRequest);
   msg::SnapshotRequest request;
-  request.header().session_id(session_id);
-  request.header().origin(msg::ORIGIN_SIM);
-  request.after_tick(kSnapshotTick);
+  request.header.session_id = session_id;
+  request.header.origin = msg::Origin::kSim;
+  request.after_tick = kSnapshotTick;
   EXPECT_EQ(writer.Write(request), node::WriteStatus::kOk);
 }
 
@@ -53,12 +53,12 @@ void RequestPressure(node::Node& operators, std::uint64_t session_id, std::uint6
   if (tick != kRequestTick) return;
   auto writer = operators.MakeWriter(node::kStiffnessRequest);
   msg::StiffnessRequest request;
-  request.header().session_id(session_id);
-  request.header().tick(tick);
-  request.header().origin(msg::ORIGIN_SIM);
-  request.joint_count(1);
-  request.kind()[0] = msg::STIFFNESS_PRESSURE;
-  request.pressure_bar()[0] = 3.0;
+  request.header.session_id = session_id;
+  request.header.tick = tick;
+  request.header.origin = msg::Origin::kSim;
+  request.joint_count = 1;
+  request.kind[0] = msg::StiffnessKind::kPressure;
+  request.pressure_bar[0] = 3.0;
   EXPECT_EQ(writer.Write(request), node::WriteStatus::kOk);
 }
 
@@ -212,8 +212,8 @@ RerunOfTheRig::Edit TamperWith(std::size_t byte) {
     if (topic != "component_snapshot" || tick != kSnapshotTick) return true;
     msg::ComponentSnapshot snapshot;
     EXPECT_TRUE(node::Decode(*payload, &snapshot));
-    if (snapshot.name() != "control") return true;
-    snapshot.content().at(byte) ^= 1;
+    if (snapshot.name != "control") return true;
+    snapshot.content.at(byte) ^= 1;
     EXPECT_TRUE(node::Encode(snapshot, payload));
     return true;
   };
@@ -344,8 +344,8 @@ TEST_F(RerunOfTheRig, TheRequestCountsInTheTickThatNamesIt) {
     if (topic != "valve_command") continue;
     msg::ValveCommand command;
     ASSERT_TRUE(node::Decode({message.data.begin(), message.data.end()}, &command));
-    for (const std::uint64_t id : command.event_ids()) {
-      named.emplace_back(command.header().tick(), id);
+    for (const std::uint64_t id : command.event_ids) {
+      named.emplace_back(command.header.tick, id);
     }
   }
   ASSERT_NE(request, 0u);
@@ -462,9 +462,9 @@ void RequestMotion(node::Node& operators, std::uint64_t session_id, std::uint64_
   if (tick != 5) return;
   auto writer = operators.MakeWriter(node::kMotionRequest);
   msg::MotionRequest request;
-  request.header().session_id(session_id);
-  request.header().tick(tick);
-  request.header().origin(msg::ORIGIN_SIM);
+  request.header.session_id = session_id;
+  request.header.tick = tick;
+  request.header.origin = msg::Origin::kSim;
   EXPECT_EQ(writer.Write(request), node::WriteStatus::kOk);
 }
 

@@ -56,7 +56,7 @@ class Recorder {
   void Write(recording::ChannelId channel, const Message& message) {
     node::Bytes bytes;
     EXPECT_TRUE(node::Encode(message, &bytes));
-    const std::int64_t stamp_ns = message.header().stamp_ns();
+    const std::int64_t stamp_ns = message.header.stamp_ns;
     EXPECT_TRUE(writer_.WriteMessage(channel, stamp_ns, stamp_ns, bytes).ok());
   }
   void Close() { EXPECT_TRUE(writer_.Close().ok() && sink_.Close().ok()); }
@@ -77,23 +77,23 @@ std::string WriteRun(const testing::TemporaryFolder& folder, int sessions = 1,
   for (int session = 1; session <= sessions; ++session) {
     for (int tick = 0; tick < kTicks; ++tick) {
       msg::JointState state;
-      state.header().session_id(static_cast<std::uint64_t>(session));
-      state.header().tick(static_cast<std::uint64_t>(tick));
-      state.header().stamp_ns((std::int64_t{kTicks} * session + tick) * 4'166'667);
-      state.period_s(1.0 / kRate_Hz);
-      state.joint_count(1);
-      state.valid()[0] = true;
-      state.velocity_rad_s()[0] = 1.0;
-      state.torque_Nm()[0] = 2.0;
+      state.header.session_id = static_cast<std::uint64_t>(session);
+      state.header.tick = static_cast<std::uint64_t>(tick);
+      state.header.stamp_ns = (std::int64_t{kTicks} * session + tick) * 4'166'667;
+      state.period_s = 1.0 / kRate_Hz;
+      state.joint_count = 1;
+      state.valid[0] = true;
+      state.velocity_rad_s[0] = 1.0;
+      state.torque_Nm[0] = 2.0;
       msg::Reference reference;
-      reference.header(state.header());
-      reference.joint_count(1);
-      reference.position_rad()[0] = ErrorAt_rad(tick);
+      reference.header = state.header;
+      reference.joint_count = 1;
+      reference.position_rad[0] = ErrorAt_rad(tick);
       msg::ActuatorState actuator;
-      actuator.header(state.header());
-      actuator.joint_count(1);
-      actuator.valid()[0] = true;
-      actuator.motor_current_A()[0] = 1.0;
+      actuator.header = state.header;
+      actuator.joint_count = 1;
+      actuator.valid[0] = true;
+      actuator.motor_current_A[0] = 1.0;
       recorder.Write(references, reference);  // the order in a file is that of arrival
       recorder.Write(states, state);
       recorder.Write(actuators, actuator);

@@ -90,7 +90,7 @@ class Replay : public ::testing::Test {
       const auto state = states_->WaitNext(200ms);
       if (!state) continue;
       states.push_back(*state);
-      if (state->header().tick() == tick) break;
+      if (state->header.tick == tick) break;
     }
     return states;
   }
@@ -115,8 +115,8 @@ TEST_F(Replay, PausedItSendsAsManyTicksAsAreAskedFor) {
   EXPECT_EQ(five["messages"], 12);
   const auto states = StatesUntil(5);
   ASSERT_FALSE(states.empty());
-  EXPECT_EQ(states.back().header().tick(), 5u);
-  EXPECT_EQ(states.back().header().origin(), msg::ORIGIN_REPLAY);
+  EXPECT_EQ(states.back().header.tick, 5u);
+  EXPECT_EQ(states.back().header.origin, msg::Origin::kReplay);
   EXPECT_EQ(Control({"quit"})["paused"], 1);
   EXPECT_EQ(replay.Wait(kReplayLimit), 0) << replay.error();
 }

@@ -146,11 +146,11 @@ TEST(Verify, TheWorldOfTheRightModelFollowsTheRecordingBetter) {
               0.1 * alone.errors->models[1].rms);
 
   const Names names{.before = "a", .after = "b", .added = {"quadratic_viscous"}, .effects = "none"};
-  const report::Section section = MakeSection(names, types::JointKind::kRotary, &result, {});
+  const report::Section section = MakeSection(names, types::JointKind::kRevolute, &result, {});
   report::CheckSection(section);
   ASSERT_EQ(section.comparisons.size(), 2u);
   EXPECT_TRUE(*section.comparisons[0].met);
-  EXPECT_THAT(FormatJson(names, types::JointKind::kRotary, &result, {}),
+  EXPECT_THAT(FormatJson(names, types::JointKind::kRevolute, &result, {}),
               ::testing::HasSubstr("\"horizons\""));
 }
 
@@ -168,7 +168,7 @@ TEST(Verify, ControlFollowsBetterWithTheEffectInItsModel) {
   const TrackingRun run = Track(setup, 5);
   EXPECT_LT(run.after.mse_rad2, 0.8 * run.before.mse_rad2);
   const Names names{.before = "a", .after = "b", .added = {}, .effects = "quadratic_viscous=0.5"};
-  const report::Section section = MakeSection(names, types::JointKind::kRotary, nullptr, {run});
+  const report::Section section = MakeSection(names, types::JointKind::kRevolute, nullptr, {run});
   report::CheckSection(section);
   EXPECT_TRUE(*section.comparisons[0].met);
 }

@@ -117,11 +117,11 @@ TEST(PendingAction, AnEstopIsRepeatedUntilTheRobotHasStopped) {
   PendingAction action;
   ASSERT_TRUE(action.Ask(Action::kEstop, 0));
   EXPECT_EQ(action.Due(std::nullopt, 0), Action::kEstop) << "nobody need be heard";
-  EXPECT_EQ(action.Due(RobotIs::kArmed, 50 * kMs), std::nullopt);
-  EXPECT_EQ(action.Due(RobotIs::kArmed, 100 * kMs), Action::kEstop);
-  EXPECT_EQ(action.Due(RobotIs::kArmed, 60'000 * kMs), Action::kEstop) << "never given up";
+  EXPECT_EQ(action.Due(RobotState::kArmed, 50 * kMs), std::nullopt);
+  EXPECT_EQ(action.Due(RobotState::kArmed, 100 * kMs), Action::kEstop);
+  EXPECT_EQ(action.Due(RobotState::kArmed, 60'000 * kMs), Action::kEstop) << "never given up";
   EXPECT_FALSE(action.Ask(Action::kArm, 60'000 * kMs));
-  EXPECT_EQ(action.Due(RobotIs::kEstopped, 60'050 * kMs), std::nullopt);
+  EXPECT_EQ(action.Due(RobotState::kEstopped, 60'050 * kMs), std::nullopt);
   EXPECT_FALSE(action.pending());
   EXPECT_TRUE(action.report()->done);
   EXPECT_TRUE(action.Ask(Action::kReset, 60'100 * kMs));
@@ -130,17 +130,17 @@ TEST(PendingAction, AnEstopIsRepeatedUntilTheRobotHasStopped) {
 TEST(PendingAction, AnEstopTakesThePlaceOfAnArm) {
   PendingAction action;
   ASSERT_TRUE(action.Ask(Action::kArm, 0));
-  EXPECT_EQ(action.Due(RobotIs::kDisarmed, 0), Action::kArm);
+  EXPECT_EQ(action.Due(RobotState::kDisarmed, 0), Action::kArm);
   ASSERT_TRUE(action.Ask(Action::kEstop, 10 * kMs));
-  EXPECT_EQ(action.Due(RobotIs::kDisarmed, 10 * kMs), Action::kEstop);
+  EXPECT_EQ(action.Due(RobotState::kDisarmed, 10 * kMs), Action::kEstop);
 }
 
 TEST(PendingAction, ArmWaitsForASessionAndIsGivenUp) {
   PendingAction action;
   ASSERT_TRUE(action.Ask(Action::kArm, 0));
   EXPECT_EQ(action.Due(std::nullopt, 0), std::nullopt);
-  EXPECT_EQ(action.Due(RobotIs::kFault, 10 * kMs), Action::kArm);
-  EXPECT_EQ(action.Due(RobotIs::kFault, 5000 * kMs), std::nullopt);
+  EXPECT_EQ(action.Due(RobotState::kFault, 10 * kMs), Action::kArm);
+  EXPECT_EQ(action.Due(RobotState::kFault, 5000 * kMs), std::nullopt);
   EXPECT_FALSE(action.pending());
   EXPECT_FALSE(action.report()->done);
   EXPECT_THAT(action.report()->why, HasSubstr("'fault'"));
@@ -149,8 +149,8 @@ TEST(PendingAction, ArmWaitsForASessionAndIsGivenUp) {
 TEST(PendingAction, WhatTheRobotSaidBeforeTheFirstSendingIsNoAnswer) {
   PendingAction action;
   ASSERT_TRUE(action.Ask(Action::kDisarm, 0));
-  EXPECT_EQ(action.Due(RobotIs::kDisarmed, 0), Action::kDisarm);
-  EXPECT_EQ(action.Due(RobotIs::kDisarmed, 1 * kMs), std::nullopt);
+  EXPECT_EQ(action.Due(RobotState::kDisarmed, 0), Action::kDisarm);
+  EXPECT_EQ(action.Due(RobotState::kDisarmed, 1 * kMs), std::nullopt);
   EXPECT_TRUE(action.report()->done);
 }
 

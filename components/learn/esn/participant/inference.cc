@@ -104,10 +104,10 @@ Outputs Inference::Step(const Inputs& inputs, const node::Tick& tick) {
 
   Outputs outputs;
   outputs.prediction = ToMessage(prediction);
-  outputs.prediction.stale(!good);
+  outputs.prediction.stale = !good;
   if (predictor_) {
     outputs.reservoir = ReservoirMessage(prediction, *predictor_);
-    outputs.prediction.readout_version(outputs.reservoir.readout_version());
+    outputs.prediction.readout_version = outputs.reservoir.readout_version;
   }
   return outputs;
 }

@@ -84,7 +84,7 @@ void DescribeCatalogue(config::Fields& f, const JointModel& joint) {
   for (const effects::EffectForm& form : effects::EffectForms()) {
     const auto is = effect.Is({form.name});
     const auto made = effects::MakeEffect(form.name, joint.constants, form.balance);
-    for (const auto kind : {types::JointKind::kRotary, types::JointKind::kLinear}) {
+    for (const auto kind : {types::JointKind::kRevolute, types::JointKind::kPrismatic}) {
       DescribeParameters(f, made->info(), made->info().linear, kind);
       DescribeParameters(f, made->info(), made->info().nonlinear, kind);
     }
@@ -134,10 +134,10 @@ void DescribeTerm(config::Fields& f, JointModel* joint) {
 }
 
 std::string GainKey(types::JointKind kind) {
-  return kind == types::JointKind::kRotary ? "gain_per_rad" : "gain_per_m";
+  return kind == types::JointKind::kRevolute ? "gain_per_rad" : "gain_per_m";
 }
 std::string VelocityGainKey(types::JointKind kind) {
-  return kind == types::JointKind::kRotary ? "velocity_gain_s_rad" : "velocity_gain_s_m";
+  return kind == types::JointKind::kRevolute ? "velocity_gain_s_rad" : "velocity_gain_s_m";
 }
 
 void DescribeServo(config::Fields& f, const JointModel& joint, Servo* c) {
@@ -182,7 +182,7 @@ void DescribeConstants(config::Fields& f, effects::JointConstants* c) {
   f("atmosphere_bar", c->atmosphere_bar, kPositive, "absolute");
   f("valve_delay_s", c->valve_delay_s, kNotNegative, "from the command to the flow");
   const double stated_m = c->link_length_m;
-  if (c->kind == types::JointKind::kRotary) return;
+  if (c->kind == types::JointKind::kRevolute) return;
   if (stated_m != 0.0 && stated_m != 1.0) {
     f.Fail("link_length_m", "is " + Number(stated_m) +
                                 ", but a force at a linear joint has no lever, expected none");
@@ -193,10 +193,10 @@ void DescribeConstants(config::Fields& f, effects::JointConstants* c) {
 void DescribeJoint(config::Fields& f, JointModel& joint) {
   f.Need("name", joint.name, "as in the topics");
   f.NeedWord("kind", joint.kind,
-             {{"rotary", types::JointKind::kRotary}, {"linear", types::JointKind::kLinear}},
+             {{"rotary", types::JointKind::kRevolute}, {"linear", types::JointKind::kPrismatic}},
              "units of the keys follow");
   joint.constants.kind = joint.kind;
-  f.set_linear(joint.kind == types::JointKind::kLinear);
+  f.set_linear(joint.kind == types::JointKind::kPrismatic);
   f.Object("constants", "known of the machine",
            [&](config::Fields& g) { DescribeConstants(g, &joint.constants); });
   f("~backlash_rad", joint.backlash_rad, {0.0, 6.3}, "full width at the output");
@@ -263,7 +263,7 @@ void WriteParameter(std::string& out, const effects::ParameterInfo& info,
 }
 
 void WriteJoint(std::string& out, const JointModel& joint) {
-  const bool rotary = joint.kind == types::JointKind::kRotary;
+  const bool rotary = joint.kind == types::JointKind::kRevolute;
   out += "  - name: " + Quoted(joint.name) + "\n";
   out += std::string("    kind: ") + (rotary ? "rotary" : "linear") + "\n";
   out += "    constants:\n";

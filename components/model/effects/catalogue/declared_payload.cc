@@ -26,7 +26,7 @@ std::unique_ptr<Effect> Make(const JointConstants& constants) {
                     [](const JointSample& x, const JointConstants& c, std::span<const double>,
                        std::span<double> phi) {
                       const double l = c.link_length_m;
-                      const double weight = c.kind == types::JointKind::kLinear
+                      const double weight = c.kind == types::JointKind::kPrismatic
                                                 ? 0.0
                                                 : c.gravity_m_s2 * std::cos(x.position_rad);
                       phi[0] = -x.payload_kg * l * (l * x.acceleration_rad_s2 + weight);

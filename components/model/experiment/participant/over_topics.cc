@@ -9,10 +9,10 @@
 #include <chrono>
 #include <stdexcept>
 
+#include "components/base/types/robot_state.h"
 #include "components/base/types/seconds.h"
 #include "components/topics/node/endpoint.h"
 #include "components/topics/node/tick_loop.h"
-#include "components/topics/wire/wire.h"
 
 namespace sinew::experiment {
 namespace {
@@ -25,15 +25,15 @@ constexpr Command kAtRest{.valve_open = false};
 Reading ToReading(const msg::JointState& state, const msg::ActuatorState& actuator,
                   std::size_t joint) {
   Reading reading;
-  reading.output_angle_rad = state.position_rad()[joint];
-  reading.output_velocity_rad_s = state.velocity_rad_s()[joint];
-  reading.motor_angle_rad = actuator.motor_position_rad()[joint];
-  reading.motor_velocity_rad_s = actuator.motor_velocity_rad_s()[joint];
-  reading.motor_current_A = actuator.motor_current_A()[joint];
-  reading.chamber_pressure_bar = actuator.chamber_pressure_bar()[joint];
-  reading.reservoir_pressure_bar = actuator.reservoir_pressure_bar()[joint];
-  reading.load_force_N = actuator.load_force_N()[joint];
-  reading.valve_open = actuator.valve_open()[joint];
+  reading.output_angle_rad = state.position_rad[joint];
+  reading.output_velocity_rad_s = state.velocity_rad_s[joint];
+  reading.motor_angle_rad = actuator.motor_position_rad[joint];
+  reading.motor_velocity_rad_s = actuator.motor_velocity_rad_s[joint];
+  reading.motor_current_A = actuator.motor_current_A[joint];
+  reading.chamber_pressure_bar = actuator.chamber_pressure_bar[joint];
+  reading.reservoir_pressure_bar = actuator.reservoir_pressure_bar[joint];
+  reading.load_force_N = actuator.load_force_N[joint];
+  reading.valve_open = actuator.valve_open[joint];
   return reading;
 }
 
@@ -66,11 +66,11 @@ void AwaitRobot(node::Node& node, node::StopFlag& stop, double wait_s,
   RequireNoOtherWriter(node, node::kValveCommand.name);
 }
 
-msg::OperatorCommand OperatorCommand(types::OperatorAction action, const msg::JointState& state) {
+msg::OperatorCommand OperatorCommand(msg::OperatorAction action, const msg::JointState& state) {
   msg::OperatorCommand command;
-  command.header(state.header());
-  command.action(wire::ToWire(action));
-  command.reason("experiment");
+  command.header = state.header;
+  command.action = action;
+  command.reason = "experiment";
   return command;
 }
 
@@ -87,20 +87,20 @@ class Output {
     const auto count = static_cast<std::uint8_t>(joint_count);
     // The hand first: the provider takes it with the commands that follow.
     msg::SimDisturbance hand;
-    hand.joint_count(count);
-    hand.load_force_N()[joint] = command.hand_force_N;
+    hand.joint_count = count;
+    hand.load_force_N[joint] = command.hand_force_N;
     loop.Publish(hand_, hand, tick);
     msg::ValveCommand valve;
-    valve.joint_count(count);
-    valve.valve_open()[joint] = command.valve_open;
-    valve.compressor_on()[joint] = command.compressor_on;
-    valve.vent_open()[joint] = command.vent_open;
+    valve.joint_count = count;
+    valve.valve_open[joint] = command.valve_open;
+    valve.compressor_on[joint] = command.compressor_on;
+    valve.vent_open[joint] = command.vent_open;
     loop.Publish(valve_, valve, tick);
     msg::JointCommand drive;
-    drive.joint_count(count);
-    drive.mode()[joint] = wire::ToWire(command.drive);
-    drive.motor_torque_Nm()[joint] = command.motor_torque_Nm;
-    drive.position_rad()[joint] = command.position_rad;
+    drive.joint_count = count;
+    drive.mode[joint] = command.drive;
+    drive.motor_torque_Nm[joint] = command.motor_torque_Nm;
+    drive.position_rad[joint] = command.position_rad;
     loop.Publish(joint_, drive, tick);
   }
 
@@ -131,23 +131,23 @@ TopicRun RunOverTopics(node::Node& node, node::StopFlag& stop, Prepared& protoco
   int farewell = 0;
   std::uint64_t ticks = 0;
   run.end = "the session ended";
-  const auto send = [&](types::OperatorAction action) {
+  const auto send = [&](msg::OperatorAction action) {
     (void)operator_writer.Write(OperatorCommand(action, state_input.value()));
   };
   while (const auto tick = loop.Next()) {
     const msg::JointState& state = state_input.value();
-    run.simulated = tick->origin != msg::ORIGIN_LIVE;
-    const types::RobotState robot_state = wire::FromWire(state.robot_state());
+    run.simulated = tick->origin != msg::Origin::kLive;
+    const types::RobotState robot_state = state.robot_state;
     const bool armed = types::MayMove(robot_state);
     const bool stopped =
         robot_state == types::RobotState::kFault || robot_state == types::RobotState::kEstopped;
-    if (options.joint >= state.joint_count()) {
-      run.end = "the robot has " + std::to_string(state.joint_count()) + " joints";
+    if (options.joint >= state.joint_count) {
+      run.end = "the robot has " + std::to_string(state.joint_count) + " joints";
       break;
     }
     Command command = kAtRest;
     if (farewell > 0) {
-      output.Send(loop, *tick, joint, state.joint_count(), command);
+      output.Send(loop, *tick, joint, state.joint_count, command);
       if (++farewell > kFarewellTicks) break;
       continue;
     }
@@ -155,7 +155,7 @@ TopicRun RunOverTopics(node::Node& node, node::StopFlag& stop, Prepared& protoco
       run.end = stopped ? "the robot is in fault or stopped" : "the robot was disarmed";
       break;
     }
-    if (!armed && options.arm && ticks % kRepeatArm == 0) send(types::OperatorAction::kArm);
+    if (!armed && options.arm && ticks % kRepeatArm == 0) send(msg::OperatorAction::kArm);
     if (armed && actuator_input.has_value()) {
       armed_once = true;
       if (!first_stamp_ns) first_stamp_ns = tick->stamp_ns;
@@ -168,7 +168,7 @@ TopicRun RunOverTopics(node::Node& node, node::StopFlag& stop, Prepared& protoco
         }
         Row row = reading;
         row.time_s -= protocol.started_s();
-        if (actuator_input.fresh() && state.valid()[joint]) run.rows.push_back(row);
+        if (actuator_input.fresh() && state.valid[joint]) run.rows.push_back(row);
       }
       if (protocol.done()) {
         run.done = true;
@@ -177,7 +177,7 @@ TopicRun RunOverTopics(node::Node& node, node::StopFlag& stop, Prepared& protoco
         command = kAtRest;
       }
     }
-    output.Send(loop, *tick, joint, state.joint_count(), command);
+    output.Send(loop, *tick, joint, state.joint_count, command);
     if (progress && ticks % kReportEvery == 0) {
       progress({first_stamp_ns ? 1e-9 * static_cast<double>(tick->stamp_ns - *first_stamp_ns) : 0.0,
                 armed ? protocol.instruction()
@@ -187,7 +187,7 @@ TopicRun RunOverTopics(node::Node& node, node::StopFlag& stop, Prepared& protoco
     }
     ++ticks;
   }
-  if (options.arm && armed_once && state_input.has_value()) send(types::OperatorAction::kDisarm);
+  if (options.arm && armed_once && state_input.has_value()) send(msg::OperatorAction::kDisarm);
   if (stop.requested() && !run.done) run.end = "stopped";
   return run;
 }

@@ -38,7 +38,7 @@ void Describe(config::Fields& f, AsPublishedOptions& c) {
 ProcessingOptions ReadProcessing(const config::Section& root, types::JointKind kind) {
   ProcessingOptions out;
   config::Fields fields(root.ChildOrEmpty("processing"));
-  fields.set_linear(kind == types::JointKind::kLinear);
+  fields.set_linear(kind == types::JointKind::kPrismatic);
   Describe(fields, out);
   fields.section().RejectUnknownKeys();
   return out;

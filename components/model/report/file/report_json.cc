@@ -138,7 +138,7 @@ Json Simulated(const Report& report) {
   if (!report.free_run.errors) return {{"why_not", report.free_run.why_not}};
   const free_run::FreeRun& run = *report.free_run.errors;
   const bool closed = run.method == free_run::Method::kClosedLoop;
-  Json out = {{"unit", report.trace.corrected.kind == types::JointKind::kRotary ? "rad" : "m"},
+  Json out = {{"unit", report.trace.corrected.kind == types::JointKind::kRevolute ? "rad" : "m"},
               {"method", closed ? "closed_loop" : "horizons"},
               {"horizon_s", closed ? Json(nullptr) : Json(run.horizon_s)}};
   for (const auto& [name, number] :
@@ -175,7 +175,8 @@ Json Detectable(const trace::TraceResult& trace) {
 
 Json RowsJson(const trace::TraceResult& trace) {
   Json speeds = Json::array(), reasons = Json::object();
-  const char* key = trace.corrected.kind == types::JointKind::kRotary ? "up_to_rad_s" : "up_to_m_s";
+  const auto* key =
+      trace.corrected.kind == types::JointKind::kRevolute ? "up_to_rad_s" : "up_to_m_s";
   for (const trace::RowUsage::Speed& speed : trace.row_usage.by_speed) {
     speeds.push_back({{key, speed.up_to}, {"rows", speed.rows}, {"used", speed.used}});
   }

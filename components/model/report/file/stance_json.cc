@@ -31,7 +31,7 @@ Json OfEffects(const std::vector<stance_fit::StanceEffect>& effects) {
       Json parameters = Json::object();
       const auto add = [&](const auto& names, const auto& values) {
         for (std::size_t i = 0; i < names.size(); ++i) {
-          Json& to = parameters[effects::ParameterKey(names[i], types::JointKind::kRotary)];
+          Json& to = parameters[effects::ParameterKey(names[i], types::JointKind::kRevolute)];
           to["value"] = values[i].value;
           if (values[i].half_width_95) to["half_width_95"] = *values[i].half_width_95;
         }

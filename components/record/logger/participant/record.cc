@@ -79,11 +79,11 @@ class SnapshotRequests {
     files_ = state.files;
     last_ = now;
     msg::SnapshotRequest request;
-    request.header().session_id(state.session->session_id);
-    request.header().tick(state.session->tick);
-    request.header().stamp_ns(state.session->stamp_ns);
-    request.header().origin(static_cast<msg::Origin>(state.session->origin));
-    request.after_tick(state.session->tick + kAhead_ticks);
+    request.header.session_id = state.session->session_id;
+    request.header.tick = state.session->tick;
+    request.header.stamp_ns = state.session->stamp_ns;
+    request.header.origin = static_cast<msg::Origin>(state.session->origin);
+    request.after_tick = state.session->tick + kAhead_ticks;
     if (writer_.Write(request) != node::WriteStatus::kOk && !std::exchange(reported_, true)) {
       spdlog::warn("snapshot_request could not be sent: files lack the states of components");
     }
@@ -280,13 +280,13 @@ class Session {
   void PublishTick(std::uint64_t tick) {
     if (!progress_writer_) return;
     msg::RecordingProgress message;
-    message.header().session_id(state_.session->session_id);
-    message.header().tick(tick);
-    message.header().stamp_ns(state_.session->stamp_ns);
-    message.header().origin(static_cast<msg::Origin>(state_.session->origin));
-    message.recorder(node_.options().name.substr(0, 32));
-    message.messages(state_.messages);
-    message.bytes(state_.bytes);
+    message.header.session_id = state_.session->session_id;
+    message.header.tick = tick;
+    message.header.stamp_ns = state_.session->stamp_ns;
+    message.header.origin = static_cast<msg::Origin>(state_.session->origin);
+    message.recorder = node_.options().name.substr(0, 32);
+    message.messages = state_.messages;
+    message.bytes = state_.bytes;
     if (progress_writer_->Write(message) != node::WriteStatus::kOk && !reported_unsent_) {
       reported_unsent_ = true;
       spdlog::warn("recording_progress could not be sent");

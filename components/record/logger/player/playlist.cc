@@ -6,6 +6,7 @@
 #include <set>
 #include <stdexcept>
 
+#include "components/base/types/robot_state.h"
 #include "components/record/recording/idl_schema.h"
 #include "components/record/recording/session_clock.h"
 
@@ -20,7 +21,6 @@ using recording::McapSchema;
 
 namespace {
 
-constexpr std::int64_t kOriginReplay = 2;  // msg::ORIGIN_REPLAY
 const std::set<std::string> kNotByDefault = {"component_status", "recording_progress"};
 
 const recording::TopicSchema* Find(const std::vector<recording::TopicSchema>& known,
@@ -288,7 +288,7 @@ void Playlist::Fill(recording::ChannelId id, std::uint32_t sequence, std::int64_
   try {
     message->session_id = static_cast<std::uint64_t>(channel.session_id.AsInt(message->payload));
     message->tick = static_cast<std::uint64_t>(channel.tick.AsInt(message->payload));
-    channel.origin.SetInt(message->payload, kOriginReplay);
+    channel.origin.SetInt(message->payload, static_cast<std::int64_t>(types::Origin::kReplay));
     if (pass_ > 0) {
       message->session_id = SessionInPass(message->session_id, pass_);
       channel.session_id.SetInt(message->payload, static_cast<std::int64_t>(message->session_id));

@@ -72,7 +72,7 @@ static void DescribeSignal(config::Fields& f, const std::string& name, CsvMap* m
 
 void Describe(config::Fields& f, CsvMap& c) {
   f.NeedWord("kind", c.kind,
-             {{"rotary", types::JointKind::kRotary}, {"linear", types::JointKind::kLinear}},
+             {{"rotary", types::JointKind::kRevolute}, {"linear", types::JointKind::kPrismatic}},
              "of the joint");
   f.Word("delimiter", c.format.delimiter,
          {{"comma", ','}, {"semicolon", ';'}, {"tab", '\t'}, {"space", ' '}}, "between columns");

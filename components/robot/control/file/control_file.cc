@@ -108,7 +108,7 @@ static double DescribeDrive(config::Fields& f, const std::filesystem::path& mode
     } catch (const std::invalid_argument& error) {
       f.Fail(model_joint.empty() ? "model" : "model_joint", error.what());
     }
-    linear = joint->model->kind == types::JointKind::kLinear;
+    linear = joint->model->kind == types::JointKind::kPrismatic;
     joint->gear_ratio = joint->model->constants.gear_ratio;
     limit_Nm = joint->model->motor_torque_limit_Nm;
   } else if (joint->strategy == Strategy::kPidLinear) {

@@ -185,10 +185,10 @@ std::vector<std::unique_ptr<estop::Input>> OpenInputs(const EstopOptions& option
 msg::EstopState Heartbeat(const std::string& name, const std::string& stopping,
                           const msg::JointState& state) {
   msg::EstopState beat;
-  beat.header(state.header());
-  beat.name(name);
-  beat.stops(!stopping.empty());
-  beat.why(stopping.substr(0, 127));
+  beat.header = state.header;
+  beat.name = name;
+  beat.stops = !stopping.empty();
+  beat.why = stopping.substr(0, 127);
   return beat;
 }
 
@@ -229,8 +229,8 @@ void Run(const node::Options& options, node::StopFlag& stop, const EstopOptions&
     const std::int64_t now_ns = types::MonotonicNow_ns();
     bool stopped = false;
     while (auto next = states.TakeNext()) {  // ESTOPPED may last no longer than a cycle
-      stopped = stopped || next->robot_state() == msg::ROBOT_ESTOPPED;
-      state = std::move(next);
+      stopped = stopped || next->robot_state == msg::RobotState::kEstopped;
+      state = next;
       heard_ns = now_ns;
     }
     if (auto taken = thread.TakePress()) {
@@ -247,13 +247,13 @@ void Run(const node::Options& options, node::StopFlag& stop, const EstopOptions&
       if (beats.Write(beat) != node::WriteStatus::kOk) ++counts.write_failures;
     }
     const bool heard = state && now_ns - heard_ns < std::chrono::nanoseconds(kStateAge).count();
-    stopped = stopped || (heard && state->robot_state() == msg::ROBOT_ESTOPPED);
+    stopped = stopped || (heard && state->robot_state == msg::RobotState::kEstopped);
     if (!heard && idled) assertion.Confirm();  // without DDS the socket's answer counts
     if (assertion.Due(!stopping.empty(), stopped, now_ns)) {
       msg::OperatorCommand command;
-      if (state) command.header(state->header());
-      command.action(msg::OPERATOR_ESTOP);
-      command.reason(press.reason.substr(0, 63));
+      if (state) command.header = state->header;
+      command.action = msg::OperatorAction::kEstop;
+      command.reason = press.reason.substr(0, 63);
       if (commands.Write(command) != node::WriteStatus::kOk) ++counts.write_failures;
       const InputThread::Answers answers =
           InputThread::Await(press.sockets.empty() ? thread.PressSockets(press.reason)

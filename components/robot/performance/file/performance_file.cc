@@ -21,7 +21,7 @@ static void FillJoints(const actuator::RobotModel& model, const JointPerformance
   for (std::size_t j = 0; j < model.joints.size(); ++j) {
     const actuator::JointModel& joint = model.joints[j];
     c->joint_names.push_back(joint.name);
-    c->linear.push_back(joint.kind == types::JointKind::kLinear);
+    c->linear.push_back(joint.kind == types::JointKind::kPrismatic);
     JointPerformanceConfig& one = c->robot.joints.emplace_back(common);
     one.motor.torque_constant_Nm_A = joint.constants.torque_constant_Nm_A;
     one.motor.gear_ratio = joint.constants.gear_ratio;

@@ -2,9 +2,10 @@
 
 #include <cmath>
 
+#include "components/base/types/motion.h"
+#include "components/base/types/operator_action.h"
 #include "components/base/types/state_archive.h"
 #include "components/topics/node/codec.h"
-#include "components/topics/wire/wire.h"
 
 namespace sinew::pneumatics {
 
@@ -42,10 +43,10 @@ bool PressureRequests::Take(const node::Tick& tick, types::Origin origin,
   FollowOwner(tick, asked);
   for (std::size_t j = 0; j < managers->size(); ++j) {
     double target_bar = standing_target_bar_[j];
-    if (asked && j < motion_->value().joint_count() &&
-        wire::FromWire(motion_->value().kind()[j]) != types::Motion::kNone &&
-        motion_->value().pressure_bar()[j] > 0.0) {
-      target_bar = motion_->value().pressure_bar()[j];
+    if (asked && j < motion_->value().joint_count &&
+        motion_->value().kind[j] != types::Motion::kNone &&
+        motion_->value().pressure_bar[j] > 0.0) {
+      target_bar = motion_->value().pressure_bar[j];
     }
     (*managers)[j].RequestPressure(target_bar);
   }
@@ -56,18 +57,17 @@ bool PressureRequests::Take(const node::Tick& tick, types::Origin origin,
 void PressureRequests::TakeStiffness(const types::RunningSession& running,
                                      std::vector<PressureManager>* managers) {
   while (const auto request = requests_.TakeNext()) {
-    if (!stiffness_gate_.Admits(types::CommandKind::kRequest, wire::FromWire(request->header()),
-                                running)) {
+    if (!stiffness_gate_.Admits(types::CommandKind::kRequest, request->header, running)) {
       continue;
     }
     loop_.Used(node::EventId(*request));
-    for (std::size_t j = 0; j < managers->size() && j < request->joint_count(); ++j) {
+    for (std::size_t j = 0; j < managers->size() && j < request->joint_count; ++j) {
       PressureManager& manager = (*managers)[j];
       bool good = true;
-      if (request->kind()[j] == msg::STIFFNESS_PRESSURE) {
-        good = manager.RequestPressure(request->pressure_bar()[j]);
-      } else if (request->kind()[j] == msg::STIFFNESS_SECANT) {
-        good = manager.RequestStiffness(request->stiffness_Nm_rad()[j]);
+      if (request->kind[j] == msg::StiffnessKind::kPressure) {
+        good = manager.RequestPressure(request->pressure_bar[j]);
+      } else if (request->kind[j] == msg::StiffnessKind::kSecant) {
+        good = manager.RequestStiffness(request->stiffness_Nm_rad[j]);
       } else {
         continue;
       }
@@ -80,8 +80,8 @@ void PressureRequests::TakeStiffness(const types::RunningSession& running,
 // them they are not what stands.
 void PressureRequests::FollowOwner(const node::Tick& tick, bool asked) {
   while (const auto owner = owner_.TakeNext(tick)) {
-    for (std::size_t j = 0; j < config_.joints.size() && j < owner->joint_count() && !asked; ++j) {
-      const double target_bar = owner->target_pressure_bar()[j];
+    for (std::size_t j = 0; j < config_.joints.size() && j < owner->joint_count && !asked; ++j) {
+      const double target_bar = owner->target_pressure_bar[j];
       if (std::isfinite(target_bar)) standing_target_bar_[j] = target_bar;
     }
   }
@@ -91,14 +91,13 @@ void PressureRequests::FollowOwner(const node::Tick& tick, bool asked) {
 void PressureRequests::TakeOperator(const types::RunningSession& running) {
   reset_ = false;
   while (const auto command = operator_.TakeNext()) {
-    const auto action = wire::FromWire(command->action());
+    const types::OperatorAction action = command->action;
     if (action == types::OperatorAction::kEstop) {
       estopped_ = true;
       loop_.Used(node::EventId(*command));
     }
     if (action == types::OperatorAction::kReset &&
-        reset_gate_.Admits(types::CommandKind::kPermission, wire::FromWire(command->header()),
-                           running)) {
+        reset_gate_.Admits(types::CommandKind::kPermission, command->header, running)) {
       estopped_ = false;
       reset_ = true;
       loop_.Used(node::EventId(*command));

@@ -1,28 +1,9 @@
 #include "components/robot/pneumatics/participant/translate.h"
 
+#include "components/base/types/robot_state.h"
 #include "components/base/types/state_archive.h"
-#include "components/topics/wire/wire.h"
 
 namespace sinew::pneumatics {
-namespace {
-
-msg::PneumaticMode ToMessage(Mode mode) {
-  switch (mode) {
-    case Mode::kHold:
-      return msg::PNEUMATIC_HOLD;
-    case Mode::kFill:
-      return msg::PNEUMATIC_FILL;
-    case Mode::kVent:
-      return msg::PNEUMATIC_VENT;
-    case Mode::kSafe:
-      return msg::PNEUMATIC_SAFE;
-    case Mode::kIdle:
-      break;
-  }
-  return msg::PNEUMATIC_IDLE;
-}
-
-}  // namespace
 
 RobotPneumatics::RobotPneumatics(node::Node& node, node::TickLoop& loop,
                                  const PneumaticsConfig& config)
@@ -33,12 +14,12 @@ RobotPneumatics::RobotPneumatics(node::Node& node, node::TickLoop& loop,
 }
 
 void RobotPneumatics::Step(const node::Tick& tick) {
-  const types::Origin origin = wire::FromWire(state_.value().header().origin());
+  const types::Origin origin = state_.value().header.origin;
   if (requests_.Take(tick, origin, &managers_)) {
     for (PressureManager& manager : managers_) manager.Restart();
   }
   const msg::JointState& state = state_.value();
-  const bool active = requests_.MayHold(wire::FromWire(state.robot_state()));
+  const bool active = requests_.MayHold(state.robot_state);
   for (std::size_t j = 0; j < managers_.size(); ++j) {
     ManagerInput input;
     input.period_s = tick.period_s;
@@ -46,12 +27,12 @@ void RobotPneumatics::Step(const node::Tick& tick) {
     input.reset = requests_.reset();
     // A manager that has just begun may not know yet that another one is obeyed.
     input.standby = requests_.standby() || !tick.settled;
-    if (actuator_.fresh() && j < actuator_.value().joint_count()) {
+    if (actuator_.fresh() && j < actuator_.value().joint_count) {
       const msg::ActuatorState& inside = actuator_.value();
-      input.valid = inside.valid()[j];
-      input.chamber_bar = inside.chamber_pressure_bar()[j];
-      input.reservoir_bar = inside.reservoir_pressure_bar()[j];
-      input.valve_is_open = inside.valve_open()[j];
+      input.valid = inside.valid[j];
+      input.chamber_bar = inside.chamber_pressure_bar[j];
+      input.reservoir_bar = inside.reservoir_pressure_bar[j];
+      input.valve_is_open = inside.valve_open[j];
     }
     output_[j] = managers_[j].Step(input);
   }
@@ -59,27 +40,27 @@ void RobotPneumatics::Step(const node::Tick& tick) {
 
 msg::ValveCommand RobotPneumatics::Command() const {
   msg::ValveCommand message;
-  message.joint_count(static_cast<std::uint8_t>(managers_.size()));
+  message.joint_count = static_cast<std::uint8_t>(managers_.size());
   for (std::size_t j = 0; j < managers_.size(); ++j) {
-    message.valve_open()[j] = output_[j].valve_open;
-    message.compressor_on()[j] = output_[j].compressor_on;
-    message.vent_open()[j] = output_[j].vent_open;
+    message.valve_open[j] = output_[j].valve_open;
+    message.compressor_on[j] = output_[j].compressor_on;
+    message.vent_open[j] = output_[j].vent_open;
   }
   return message;
 }
 
 msg::PneumaticState RobotPneumatics::State(const node::Tick& tick) const {
   msg::PneumaticState message;
-  message.state_tick(tick.tick);
-  message.joint_count(static_cast<std::uint8_t>(managers_.size()));
+  message.state_tick = tick.tick;
+  message.joint_count = static_cast<std::uint8_t>(managers_.size());
   for (std::size_t j = 0; j < managers_.size(); ++j) {
     const ManagerOutput& out = output_[j];
-    message.mode()[j] = ToMessage(out.mode);
-    message.target_pressure_bar()[j] = out.target_bar;
-    message.pressure_bar()[j] = out.pressure_bar;
-    message.stiffness_Nm_rad()[j] = out.stiffness_Nm_rad;
-    message.settled()[j] = out.settled;
-    message.sensor_fault()[j] = out.sensor_fault;
+    message.mode[j] = out.mode;
+    message.target_pressure_bar[j] = out.target_bar;
+    message.pressure_bar[j] = out.pressure_bar;
+    message.stiffness_Nm_rad[j] = out.stiffness_Nm_rad;
+    message.settled[j] = out.settled;
+    message.sensor_fault[j] = out.sensor_fault;
   }
   return message;
 }

@@ -3,7 +3,6 @@
 #include <spdlog/spdlog.h>
 
 #include "components/robot/provider/participant/simulation_messages.h"
-#include "components/topics/wire/wire.h"
 
 namespace sinew::provider {
 
@@ -11,30 +10,28 @@ namespace {
 
 JointSetpoints FromMessage(const msg::JointCommand& message) {
   JointSetpoints command;
-  command.header = wire::FromWire(message.header());
-  command.joint_count = message.joint_count();
-  for (std::size_t j = 0; j < command.mode.size(); ++j) {
-    command.mode[j] = wire::FromWire(message.mode()[j]);
-  }
-  command.motor_torque_Nm = message.motor_torque_Nm();
-  command.position_rad = message.position_rad();
-  command.velocity_rad_s = message.velocity_rad_s();
+  command.header = message.header;
+  command.joint_count = message.joint_count;
+  command.mode = message.mode;
+  command.motor_torque_Nm = message.motor_torque_Nm;
+  command.position_rad = message.position_rad;
+  command.velocity_rad_s = message.velocity_rad_s;
   return command;
 }
 
 ValveCommand FromMessage(const msg::ValveCommand& message) {
-  return {.header = wire::FromWire(message.header()),
-          .joint_count = message.joint_count(),
-          .valve_open = message.valve_open(),
-          .compressor_on = message.compressor_on(),
-          .vent_open = message.vent_open()};
+  return {.header = message.header,
+          .joint_count = message.joint_count,
+          .valve_open = message.valve_open,
+          .compressor_on = message.compressor_on,
+          .vent_open = message.vent_open};
 }
 
 PressureMessage FromMessage(const msg::SimPressure& message) {
-  return {.header = wire::FromWire(message.header()),
-          .joint_count = message.joint_count(),
-          .pressure = {.imposed = message.imposed(),
-                       .chamber_pressure_bar = message.chamber_pressure_bar()}};
+  return {.header = message.header,
+          .joint_count = message.joint_count,
+          .pressure = {.imposed = message.imposed,
+                       .chamber_pressure_bar = message.chamber_pressure_bar}};
 }
 
 // Empty: not refused.
@@ -88,15 +85,13 @@ CommandReaders::CommandReaders(node::Node& node, ProviderCycle& cycle, Plant& pl
 
 void CommandReaders::TakeOperatorCommands(std::uint64_t tick) {
   while (const auto command = operator_command_.TakeNext()) {
-    std::string refusal;
-    if (const auto action = wire::FromWire(command->action())) {
-      const types::MessageHeader header = wire::FromWire(command->header());
-      const OperatorResult result = cycle_.Take(
-          {.session_id = header.session_id, .origin = header.origin, .action = *action}, tick);
-      if (result == OperatorResult::kClearFaults) plant_.ClearFault();
-      refusal = on_operator_(result, *action, command->reason().to_string());
-      if (refusal.empty()) refusal = Refusal(result);
-    }
+    const types::MessageHeader& header = command->header;
+    const OperatorResult result = cycle_.Take(
+        {.session_id = header.session_id, .origin = header.origin, .action = command->action},
+        tick);
+    if (result == OperatorResult::kClearFaults) plant_.ClearFault();
+    std::string refusal = on_operator_(result, command->action, command->reason);
+    if (refusal.empty()) refusal = Refusal(result);
     LogOperator(*command, refusal);
   }
   if (simulated_ != nullptr) TakeDisturbances();
@@ -115,8 +110,8 @@ void CommandReaders::LogOperator(const msg::OperatorCommand& command, const std:
     return;
   }
   spdlog::log(refusal.empty() ? spdlog::level::info : spdlog::level::warn,
-              "operator: action {}, reason '{}'{}{}{}", static_cast<int>(command.action()),
-              command.reason(), refusal.empty() ? "" : ": ", refusal,
+              "operator: action {}, reason '{}'{}{}{}", static_cast<int>(command.action),
+              command.reason, refusal.empty() ? "" : ": ", refusal,
               operator_unlogged_ == 0
                   ? ""
                   : " (" + std::to_string(operator_unlogged_) + " before it not logged)");
@@ -125,17 +120,17 @@ void CommandReaders::LogOperator(const msg::OperatorCommand& command, const std:
 
 void CommandReaders::TakeDisturbances() {
   while (const auto disturbance = disturbance_->TakeNext()) {
-    if (!disturbance_gate_.Admits(types::CommandKind::kRequest,
-                                  wire::FromWire(disturbance->header()), cycle_.running())) {
+    if (!disturbance_gate_.Admits(types::CommandKind::kRequest, disturbance->header,
+                                  cycle_.running())) {
       continue;
     }
-    simulated_->Disturb({.hand_force_N = disturbance->load_force_N(),
-                         .extra_payload_kg = disturbance->payload_kg()});
+    simulated_->Disturb(
+        {.hand_force_N = disturbance->load_force_N, .extra_payload_kg = disturbance->payload_kg});
   }
   while (body_disturbance_) {
     const auto message = body_disturbance_->TakeNext();
     if (!message) break;
-    const types::MessageHeader header = wire::FromWire(message->header());
+    const types::MessageHeader& header = message->header;
     if (header.session_id == cycle_.session_id()) body_answers_ = header.tick + 1;
     if (!body_gate_.Admits(types::CommandKind::kRequest, header, cycle_.running())) continue;
     const BodyDisturbance disturbance = FromMessage(*message);

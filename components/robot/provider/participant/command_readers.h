@@ -27,7 +27,7 @@ namespace sinew::provider {
 
 class CommandReaders {
  public:
-  // Called with every command that has a meaning, with the operator's reason. Returns why it was
+  // Called with every command, with the operator's reason. Returns why it was
   // refused, for the log; empty: as `result` says.
   using OnOperator = std::function<std::string(OperatorResult result, types::OperatorAction action,
                                                std::string_view reason)>;

@@ -2,8 +2,6 @@
 
 #include <spdlog/spdlog.h>
 
-#include "components/topics/wire/wire.h"
-
 namespace sinew::provider {
 
 CommandSource::CommandSource(node::Node& node)
@@ -24,11 +22,11 @@ void CommandSource::Publish(const types::MessageHeader& header) {
   spdlog::info("tick {}: joint_command of '{}', valve_command of '{}'", header.tick,
                joint.participant, valve.participant);
   msg::CommandSource message;
-  message.header(wire::ToWire(header));
-  message.joint_command_participant(joint.participant.substr(0, 64));
-  message.joint_command_guid(joint.guid.substr(0, 64));
-  message.valve_command_participant(valve.participant.substr(0, 64));
-  message.valve_command_guid(valve.guid.substr(0, 64));
+  message.header = header;
+  message.joint_command_participant = joint.participant.substr(0, 64);
+  message.joint_command_guid = joint.guid.substr(0, 64);
+  message.valve_command_participant = valve.participant.substr(0, 64);
+  message.valve_command_guid = valve.guid.substr(0, 64);
   if (writer_.Write(message) != node::WriteStatus::kOk) {
     changed_ = true;  // tried again in the next cycle
   }

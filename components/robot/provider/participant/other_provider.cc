@@ -49,10 +49,10 @@ void OtherProvider::Watch(const RunningSession& own) {
   }
   if (!states_) return;
   while (const auto state = states_->TakeNext()) {
-    const auto& header = state->header();
-    if (header.session_id() == own.session_id || header.origin() == msg::ORIGIN_REPLAY) continue;
-    const double age_s = static_cast<double>(header.tick()) * state->period_s();
-    if (!MustEnd(own, {header.session_id(), age_s})) continue;
+    const auto& header = state->header;
+    if (header.session_id == own.session_id || header.origin == msg::Origin::kReplay) continue;
+    const double age_s = static_cast<double>(header.tick) * state->period_s;
+    if (!MustEnd(own, {header.session_id, age_s})) continue;
     throw std::runtime_error("this domain has an older state provider, '" + name_ +
                              "', that was not heard at the start: this one ends");
   }

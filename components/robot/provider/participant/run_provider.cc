@@ -24,7 +24,6 @@
 #include "components/topics/node/cut_off.h"
 #include "components/topics/node/node.h"
 #include "components/topics/node/realtime.h"
-#include "components/topics/wire/wire.h"
 
 namespace sinew::provider {
 
@@ -88,11 +87,6 @@ CycleConfig MakeCycleConfig(const node::Options& node_options, const ProviderOpt
     throw UsageError("--arm: refused: " + plant.ArmRefusal());
   }
   return config;
-}
-
-const char* Name(RobotState state) {
-  static constexpr const char* kNames[] = {"disarmed", "armed", "damped", "fault", "estopped"};
-  return kNames[static_cast<int>(state)];
 }
 
 // The plant's or the fall guard's message of its own faults, joints' included; of others what is
@@ -211,8 +205,8 @@ class Provider {
     if (!watch_) return;
     const std::int64_t now_ns = MonotonicNow_ns();
     while (const auto state = estop_states_->TakeNext()) {
-      if (!cycle_.Admits(wire::FromWire(state->header()))) continue;  // a recording's, an old one
-      watch_->Hear(state->name().c_str(), state->stops(), state->why().c_str(), now_ns);
+      if (!cycle_.Admits(state->header)) continue;  // a recording's, an old one
+      watch_->Hear(state->name.c_str(), state->stops, state->why.c_str(), now_ns);
     }
     const std::string problem = watch_->Problem(now_ns);
     cycle_.SetEstopsWatched(problem.empty());
@@ -255,8 +249,7 @@ class Provider {
   void Publish() {
     const types::MessageHeader header = cycle_.Header(tick_, types::EpochNow_ns());
     readers_.PublishSource(header);
-    node_.SetCycle(header.session_id, header.tick, header.stamp_ns,
-                   static_cast<int>(wire::ToWire(header.origin)));
+    node_.SetCycle(header.session_id, header.tick, header.stamp_ns, header.origin);
     publisher_.Publish(header, cycle_.state(), cycle_.fault(), cycle_.last(tick_),
                        cycle_.period_s(), sensors_);
   }
@@ -323,11 +316,11 @@ class Provider {
       reported_state_ = state;
       reported_own_ = own;
       const std::string message = Message(cycle_.fault(), own);
-      spdlog::info("tick {}: {}{}{}", tick_, Name(state), message.empty() ? "" : ": ", message);
+      spdlog::info("tick {}: {}{}{}", tick_, NameOf(state), message.empty() ? "" : ": ", message);
       node_.SetState(state == RobotState::kFault || state == RobotState::kEstopped
                          ? node::Node::State::kFault
                          : node::Node::State::kActive,
-                     message.empty() ? Name(state) : message, cycle_.fault());
+                     message.empty() ? NameOf(state) : message, cycle_.fault());
     }
     if (cycle_.upright() != reported_upright_) {
       reported_upright_ = !reported_upright_;

@@ -7,7 +7,6 @@
 #include "components/robot/reference/standby.h"
 #include "components/topics/node/other_owner.h"
 #include "components/topics/node/tick_component.h"
-#include "components/topics/wire/wire.h"
 
 namespace sinew::reference {
 namespace {
@@ -26,9 +25,9 @@ class ReferenceComponent final : public node::TickComponent {
  private:
   void Compute(node::Tick& tick) override {
     RobotReferenceInput input = ToInput(tick, state_.value());
-    starts_.AddTo(&input, wire::FromWire(state_.value().header().origin()), &loop());
+    starts_.AddTo(&input, state_.value().header.origin, &loop());
     while (const auto other = owner_.TakeNext(tick)) {
-      generator_.Follow(other->header().tick(), FromMessage(*other));
+      generator_.Follow(other->header.tick, FromMessage(*other));
     }
     owner_.MarkOrigin(&tick);
     const RobotReferenceOutput now = generator_.Step(input, owner_.StandsBy(tick));

@@ -1,7 +1,8 @@
 #include "components/robot/reference/participant/translate.h"
 
+#include "components/base/types/operator_action.h"
+#include "components/base/types/robot_state.h"
 #include "components/topics/node/codec.h"
-#include "components/topics/wire/wire.h"
 
 namespace sinew::reference {
 
@@ -10,10 +11,10 @@ RobotReferenceInput ToInput(const node::Tick& tick, const msg::JointState& state
   input.session_id = tick.session_id;
   input.tick = tick.tick;
   input.period_s = tick.nominal_period_s;
-  input.may_move = types::MayMove(wire::FromWire(state.robot_state()));
-  input.joint_count = state.joint_count();
-  input.position_rad = state.position_rad();
-  input.valid = state.valid();
+  input.may_move = types::MayMove(state.robot_state);
+  input.joint_count = state.joint_count;
+  input.position_rad = state.position_rad;
+  input.valid = state.valid;
   return input;
 }
 
@@ -22,11 +23,10 @@ OperatorStarts::OperatorStarts(node::Node& node)
 
 void OperatorStarts::AddTo(RobotReferenceInput* input, types::Origin origin, node::TickLoop* loop) {
   while (const auto command = commands_.TakeNext()) {
-    const auto action = wire::FromWire(command->action());
+    const types::OperatorAction action = command->action;
     const bool start = action == types::OperatorAction::kStart;
     if (!start && action != types::OperatorAction::kStop) continue;
-    if (!gate_.Admits(types::KindOf(*action), wire::FromWire(command->header()),
-                      {input->session_id, origin})) {
+    if (!gate_.Admits(types::KindOf(action), command->header, {input->session_id, origin})) {
       continue;
     }
     loop->Used(node::EventId(*command));
@@ -37,26 +37,26 @@ void OperatorStarts::AddTo(RobotReferenceInput* input, types::Origin origin, nod
 
 RobotReferenceOutput FromMessage(const msg::Reference& message) {
   RobotReferenceOutput output;
-  output.joint_count = message.joint_count();
-  output.idle = message.idle();
-  output.stale = message.stale();
+  output.joint_count = message.joint_count;
+  output.idle = message.idle;
+  output.stale = message.stale;
   for (std::size_t j = 0; j < output.joint.size(); ++j) {
-    output.joint[j] = {message.position_rad()[j], message.velocity_rad_s()[j],
-                       message.acceleration_rad_s2()[j]};
+    output.joint[j] = {message.position_rad[j], message.velocity_rad_s[j],
+                       message.acceleration_rad_s2[j]};
   }
   return output;
 }
 
 msg::Reference ToMessage(const RobotReferenceOutput& output, const node::Tick& tick) {
   msg::Reference message;
-  message.state_tick(tick.tick);
-  message.stale(output.stale);
-  message.idle(output.idle);
-  message.joint_count(static_cast<std::uint8_t>(output.joint_count));
+  message.state_tick = tick.tick;
+  message.stale = output.stale;
+  message.idle = output.idle;
+  message.joint_count = static_cast<std::uint8_t>(output.joint_count);
   for (std::size_t j = 0; j < output.joint.size(); ++j) {
-    message.position_rad()[j] = output.joint[j].position_rad;
-    message.velocity_rad_s()[j] = output.joint[j].velocity_rad_s;
-    message.acceleration_rad_s2()[j] = output.joint[j].acceleration_rad_s2;
+    message.position_rad[j] = output.joint[j].position_rad;
+    message.velocity_rad_s[j] = output.joint[j].velocity_rad_s;
+    message.acceleration_rad_s2[j] = output.joint[j].acceleration_rad_s2;
   }
   return message;
 }

@@ -26,52 +26,16 @@ bool IsMeasured(std::uint32_t flags, types::Signal signal) {
 
 bool HasVoltageDrive(const actuator::JointModel& joint) { return joint.Find("drive_voltage") >= 0; }
 
-msg::ResidualMonitorState ToMessage(State state) {
-  switch (state) {
-    case State::kLearning:
-      return msg::RESIDUAL_LEARNING;
-    case State::kWatching:
-      return msg::RESIDUAL_WATCHING;
-    case State::kNotExcited:
-      return msg::RESIDUAL_NOT_EXCITED;
-    case State::kAlarm:
-      return msg::RESIDUAL_ALARM;
-    case State::kLost:
-      break;
-  }
-  return msg::RESIDUAL_LOST;
-}
-
-msg::ResidualCause ToMessage(Cause cause) {
-  switch (cause) {
-    case Cause::kOffset:
-      return msg::CAUSE_OFFSET;
-    case Cause::kDryFriction:
-      return msg::CAUSE_DRY_FRICTION;
-    case Cause::kViscousFriction:
-      return msg::CAUSE_VISCOUS_FRICTION;
-    case Cause::kPayload:
-      return msg::CAUSE_PAYLOAD;
-    case Cause::kPressure:
-      return msg::CAUSE_PRESSURE;
-    case Cause::kDrive:
-      return msg::CAUSE_DRIVE;
-    case Cause::kNothing:
-      break;
-  }
-  return msg::CAUSE_NOTHING;
-}
-
 }  // namespace
 
 std::string RobotResidual::Unfit(const msg::JointState& state,
                                  const msg::ActuatorState& actuator) const {
   const std::size_t joints = config_.robot.joints.size();
-  if (state.joint_count() < joints) {
+  if (state.joint_count < joints) {
     return "the model has " + std::to_string(joints) + " joints, the robot " +
-           std::to_string(state.joint_count());
+           std::to_string(state.joint_count);
   }
-  const std::uint32_t flags = actuator.measured_flags();
+  const std::uint32_t flags = actuator.measured_flags;
   for (const actuator::JointModel& joint : config_.robot.joints) {
     std::string missing;
     const auto need = [&](types::Signal signal, const std::string& reader) {
@@ -98,7 +62,7 @@ std::string RobotResidual::Unfit(const msg::JointState& state,
 }
 
 void RobotResidual::Begin(const node::Tick& tick, const msg::ActuatorState& actuator) try {
-  has_motor_ = IsMeasured(actuator.measured_flags(), types::Signal::kMotorPosition);
+  has_motor_ = IsMeasured(actuator.measured_flags, types::Signal::kMotorPosition);
   session_id_ = tick.session_id;
   first_tick_ = tick.tick;
   last_tick_ = tick.tick;
@@ -138,20 +102,20 @@ void RobotResidual::Step(const node::Tick& tick, const msg::JointState& state,
   for (std::size_t j = 0; j < monitors_.size(); ++j) {
     if (hole) monitors_[j].Step(time_s_ - period_s_, {});
     JointReading reading;
-    if (!stale_ && j < state.joint_count() && j < actuator.value().joint_count()) {
+    if (!stale_ && j < state.joint_count && j < actuator.value().joint_count) {
       const msg::ActuatorState& inside = actuator.value();
       const actuator::JointModel& joint = config_.robot.joints[j];
-      reading.valid = state.valid()[j] && inside.valid()[j];
-      reading.position_rad = state.position_rad()[j];
-      reading.motor_position_rad = has_motor_ ? inside.motor_position_rad()[j]
+      reading.valid = state.valid[j] && inside.valid[j];
+      reading.position_rad = state.position_rad[j];
+      reading.motor_position_rad = has_motor_ ? inside.motor_position_rad[j]
                                               : joint.constants.gear_ratio * reading.position_rad;
       reading.drive_input =
-          HasVoltageDrive(joint) ? inside.drive_voltage_V()[j] : inside.motor_current_A()[j];
-      reading.pressure_bar = inside.chamber_pressure_bar()[j];
-      reading.load_force_N = inside.load_force_N()[j];
-      reading.payload_kg = inside.declared_payload_kg()[j];
-      reading.temperature_degC = inside.motor_temperature_degC()[j];
-      reading.valve_open = inside.valve_open()[j];
+          HasVoltageDrive(joint) ? inside.drive_voltage_V[j] : inside.motor_current_A[j];
+      reading.pressure_bar = inside.chamber_pressure_bar[j];
+      reading.load_force_N = inside.load_force_N[j];
+      reading.payload_kg = inside.declared_payload_kg[j];
+      reading.temperature_degC = inside.motor_temperature_degC[j];
+      reading.valve_open = inside.valve_open[j];
     }
     output_[j] = monitors_[j].Step(time_s_, reading);
   }
@@ -159,27 +123,27 @@ void RobotResidual::Step(const node::Tick& tick, const msg::JointState& state,
 
 msg::ResidualState RobotResidual::ToMessage(const node::Tick& tick) const {
   msg::ResidualState message;
-  message.state_tick(tick.tick);
-  message.stale(stale_);
-  message.joint_count(static_cast<std::uint8_t>(config_.robot.joints.size()));
+  message.state_tick = tick.tick;
+  message.stale = stale_;
+  message.joint_count = static_cast<std::uint8_t>(config_.robot.joints.size());
   for (std::size_t j = 0; j < config_.robot.joints.size(); ++j) {
     const MonitorOutput& out = output_[j];
-    message.state()[j] = residual::ToMessage(monitors_.empty() ? State::kLost : out.state);
-    message.learnt_share()[j] = out.learnt;
-    message.residual_Nm()[j] = out.residual_Nm;
-    message.rms_Nm()[j] = out.rms_Nm;
-    message.explained_share()[j] = out.explained;
-    message.change_rms_Nm()[j] = out.change_rms_Nm;
-    message.noise_Nm()[j] = out.noise_Nm;
-    message.statistic()[j] = out.statistic;
-    message.alarm()[j] = out.alarm;
-    message.since_ns()[j] =
+    message.state[j] = monitors_.empty() ? State::kLost : out.state;
+    message.learnt_share[j] = out.learnt;
+    message.residual_Nm[j] = out.residual_Nm;
+    message.rms_Nm[j] = out.rms_Nm;
+    message.explained_share[j] = out.explained;
+    message.change_rms_Nm[j] = out.change_rms_Nm;
+    message.noise_Nm[j] = out.noise_Nm;
+    message.statistic[j] = out.statistic;
+    message.alarm[j] = out.alarm;
+    message.since_ns[j] =
         out.alarm ? tick.stamp_ns - std::llround(1e9 * (time_s_ - out.since_s)) : 0;
-    message.follows()[j] = residual::ToMessage(out.follows);
-    message.rival()[j] = residual::ToMessage(out.rival);
-    message.follows_share()[j] = out.follows_share;
-    message.change()[j] = out.change;
-    message.change_error()[j] = out.change_error;
+    message.follows[j] = out.follows;
+    message.rival[j] = out.rival;
+    message.follows_share[j] = out.follows_share;
+    message.change[j] = out.change;
+    message.change_error[j] = out.change_error;
   }
   return message;
 }
@@ -192,8 +156,8 @@ std::string RobotResidual::Line(bool with_cause) const {
     std::string line =
         "joint '" + config_.robot.joints[j].name + "': what the model leaves changed";
     if (with_cause) {
-      line += ", it follows " + std::string(CauseName(out.follows));
-      if (out.rival != Cause::kNothing) line += " or " + std::string(CauseName(out.rival));
+      line += ", it follows " + std::string(NameOf(out.follows));
+      if (out.rival != Cause::kNothing) line += " or " + std::string(NameOf(out.rival));
     }
     return line;
   }

@@ -21,12 +21,12 @@ using Readouts = std::array<std::optional<msg::Readout>, 2>;  // SEA, PEA
 // Version 0 is the readout as trained (docs/participants/rls.md).
 msg::Readout ToReadout(const esn::Weights& weights, std::size_t network) {
   msg::Readout message;
-  message.network(static_cast<std::uint8_t>(network));
-  message.output_count(static_cast<std::uint8_t>(weights.readout.rows()));
-  message.feature_count(static_cast<std::uint16_t>(weights.readout.cols()));
+  message.network = static_cast<std::uint8_t>(network);
+  message.output_count = static_cast<std::uint8_t>(weights.readout.rows());
+  message.feature_count = static_cast<std::uint16_t>(weights.readout.cols());
   for (Eigen::Index o = 0; o < weights.readout.rows(); ++o) {
     for (Eigen::Index i = 0; i < weights.readout.cols(); ++i) {
-      message.weight().push_back(weights.readout(o, i));
+      message.weight.push_back(weights.readout(o, i));
     }
   }
   return message;
@@ -34,11 +34,10 @@ msg::Readout ToReadout(const esn::Weights& weights, std::size_t network) {
 
 // The owner's, if it is of the same network.
 void Adopt(msg::Readout&& owner, Readouts* readouts) {
-  if (owner.network() >= readouts->size()) return;
-  std::optional<msg::Readout>& here = (*readouts)[owner.network()];
-  if (!here || here->weight().size() != owner.weight().size() ||
-      here->output_count() != owner.output_count() ||
-      here->feature_count() != owner.feature_count()) {
+  if (owner.network >= readouts->size()) return;
+  std::optional<msg::Readout>& here = (*readouts)[owner.network];
+  if (!here || here->weight.size() != owner.weight.size() ||
+      here->output_count != owner.output_count || here->feature_count != owner.feature_count) {
     return;
   }
   here = std::move(owner);
@@ -71,15 +70,15 @@ int main(int argc, char** argv) {
       }
       while (auto other = owner.TakeNext(*tick)) Adopt(std::move(*other), &readouts);
       (void)owner.StandsBy(*tick);
-      const bool counts = reservoir.fresh() && reservoir.value().feature_count() > 0;
-      const std::size_t asked = counts ? reservoir.value().network() : network;
+      const bool counts = reservoir.fresh() && reservoir.value().feature_count > 0;
+      const std::size_t asked = counts ? reservoir.value().network : network;
       if (asked < readouts.size() && readouts[asked]) network = asked;
       if (!readouts[network]) continue;  // the configuration names one network at least
       msg::AdaptationState adaptation;
-      adaptation.state_tick(state.tick());
-      adaptation.stale(tick->any_stale);
-      adaptation.frozen(true);
-      adaptation.output_count(readouts[network]->output_count());
+      adaptation.state_tick = state.tick();
+      adaptation.stale = tick->any_stale;
+      adaptation.frozen = true;
+      adaptation.output_count = readouts[network]->output_count;
       loop.Publish(output, *readouts[network], *tick);
       loop.Publish(report, adaptation, *tick);
     }

@@ -7,7 +7,6 @@
 #include "components/robot/pneumatics/participant/requests.h"
 #include "components/topics/node/node.h"
 #include "components/topics/node/tick_loop.h"
-#include "components/topics/wire/wire.h"
 #include "sim/stand_ins/participant/stands_in.h"
 
 namespace {
@@ -25,19 +24,19 @@ Outputs MakeOutputs(const pneumatics::PneumaticsConfig& config,
                     std::uint64_t tick) {
   Outputs out;
   const auto joints = static_cast<std::uint8_t>(targets.size());
-  out.pressure.joint_count(joints);
-  out.relays.joint_count(joints);
-  out.state.joint_count(joints);
-  out.state.state_tick(tick);
+  out.pressure.joint_count = joints;
+  out.relays.joint_count = joints;
+  out.state.joint_count = joints;
+  out.state.state_tick = tick;
   for (std::size_t j = 0; j < targets.size(); ++j) {
     const double target_bar = targets[j].target_bar();
-    out.pressure.imposed()[j] = holds;
-    out.pressure.chamber_pressure_bar()[j] = target_bar;
-    out.state.mode()[j] = holds ? msg::PNEUMATIC_HOLD : msg::PNEUMATIC_IDLE;
-    out.state.target_pressure_bar()[j] = target_bar;
-    out.state.pressure_bar()[j] = holds ? target_bar : 0.0;
-    out.state.stiffness_Nm_rad()[j] = config.joints[j].stiffness.Stiffness_Nm_rad(target_bar);
-    out.state.settled()[j] = holds;
+    out.pressure.imposed[j] = holds;
+    out.pressure.chamber_pressure_bar[j] = target_bar;
+    out.state.mode[j] = holds ? msg::PneumaticMode::kHold : msg::PneumaticMode::kIdle;
+    out.state.target_pressure_bar[j] = target_bar;
+    out.state.pressure_bar[j] = holds ? target_bar : 0.0;
+    out.state.stiffness_Nm_rad[j] = config.joints[j].stiffness.Stiffness_Nm_rad(target_bar);
+    out.state.settled[j] = holds;
   }
   return out;
 }
@@ -55,13 +54,12 @@ void Run(const node::Options& options, node::StopFlag& stop) {
   auto relays = node.MakeWriter(node::kValveCommand);
   auto report = node.MakeWriter(node::kPneumaticState);
   while (const auto tick = loop.Next()) {
-    if (state.value().header().origin() == msg::ORIGIN_LIVE) {
+    if (state.value().header.origin == msg::Origin::kLive) {
       throw UsageError("the robot is hardware, expected a simulated one: air has no ideal source");
     }
-    requests.Take(*tick, wire::FromWire(state.value().header().origin()), &targets);
+    requests.Take(*tick, state.value().header.origin, &targets);
     // As a standby it imposes nothing: the owner's relays act.
-    const bool holds =
-        !requests.standby() && requests.MayHold(wire::FromWire(state.value().robot_state()));
+    const bool holds = !requests.standby() && requests.MayHold(state.value().robot_state);
     const Outputs out = MakeOutputs(config, targets, holds, tick->tick);
     loop.Publish(pressure, out.pressure, *tick);
     loop.Publish(relays, out.relays, *tick);

@@ -27,16 +27,16 @@ struct RecordedMotion {
 
 void Append(const msg::Reference& message, RecordedMotion* motion) {
   if (motion->tick.empty()) {
-    if (message.idle() || message.joint_count() == 0) return;
-    motion->session_id = message.header().session_id();
-    motion->joints.resize(message.joint_count());
+    if (message.idle || message.joint_count == 0) return;
+    motion->session_id = message.header.session_id;
+    motion->joints.resize(message.joint_count);
   }
-  if (message.header().session_id() != motion->session_id) return;
-  if (message.joint_count() < motion->joints.size()) return;
-  motion->tick.push_back(static_cast<double>(message.header().tick()));
+  if (message.header.session_id != motion->session_id) return;
+  if (message.joint_count < motion->joints.size()) return;
+  motion->tick.push_back(static_cast<double>(message.header.tick));
   for (std::size_t j = 0; j < motion->joints.size(); ++j) {
     motion->joints[j].push_back(
-        {message.position_rad()[j], message.velocity_rad_s()[j], message.acceleration_rad_s2()[j]});
+        {message.position_rad[j], message.velocity_rad_s[j], message.acceleration_rad_s2[j]});
   }
 }
 
@@ -58,7 +58,7 @@ RecordedMotion ReadMotion(const std::filesystem::path& path) {
     const auto* begin = reinterpret_cast<const std::byte*>(played.payload.data());
     const node::Bytes bytes(begin, begin + played.payload.size());
     if (played.is_state) {
-      if (motion.period_s == 0.0 && node::Decode(bytes, &state)) motion.period_s = state.period_s();
+      if (motion.period_s == 0.0 && node::Decode(bytes, &state)) motion.period_s = state.period_s;
     } else if (node::Decode(bytes, &reference)) {
       Append(reference, &motion);
     }

@@ -7,7 +7,6 @@
 #include "components/topics/node/node.h"
 #include "components/topics/node/other_owner.h"
 #include "components/topics/node/tick_loop.h"
-#include "components/topics/wire/wire.h"
 #include "sim/stand_ins/participant/stands_in.h"
 #include "sim/stand_ins/recorded_reference/file/recorded_file.h"
 
@@ -26,10 +25,10 @@ void Run(const node::Options& options, node::StopFlag& stop) {
   node::OtherOwner owner(node, node::kReference);
   while (auto tick = loop.Next()) {
     reference::RobotReferenceInput input = reference::ToInput(*tick, state.value());
-    starts.AddTo(&input, wire::FromWire(state.value().header().origin()), &loop);
-    tick->origin = msg::ORIGIN_REPLAY;
+    starts.AddTo(&input, state.value().header.origin, &loop);
+    tick->origin = msg::Origin::kReplay;
     while (const auto other = owner.TakeNext(*tick)) {
-      generator.Follow(other->header().tick(), reference::FromMessage(*other));
+      generator.Follow(other->header.tick, reference::FromMessage(*other));
     }
     const reference::RobotReferenceOutput now = generator.Step(input, owner.StandsBy(*tick));
     loop.Publish(output, reference::ToMessage(now, *tick), *tick);

@@ -7,7 +7,6 @@
 #include "components/topics/node/node.h"
 #include "components/topics/node/other_owner.h"
 #include "components/topics/node/tick_loop.h"
-#include "components/topics/wire/wire.h"
 #include "sim/stand_ins/participant/stands_in.h"
 
 namespace {
@@ -17,21 +16,21 @@ using namespace sinew;
 msg::RegimeState ToRegime(const node::TickInput<msg::SimTruth>& input, std::uint64_t tick) {
   const msg::SimTruth& truth = input.value();
   msg::RegimeState message;
-  message.state_tick(tick);
-  message.stale(!input.fresh());
-  message.joint_count(truth.joint_count());
-  for (std::size_t j = 0; j < truth.joint_count(); ++j) {
+  message.state_tick = tick;
+  message.stale = !input.fresh();
+  message.joint_count = truth.joint_count;
+  for (std::size_t j = 0; j < truth.joint_count; ++j) {
     // A gear without backlash has nothing to be inside of.
-    const bool inside = truth.contact()[j] == msg::CONTACT_NONE && truth.backlash_rad()[j] > 0.0;
+    const bool inside = truth.contact[j] == msg::ContactSide::kNone && truth.backlash_rad[j] > 0.0;
     const bool known = input.fresh();
-    message.phase()[j] = known ? msg::PHASE_EXECUTION : msg::PHASE_WAITING;
-    message.regime()[j] = wire::ToWire(!known   ? types::Regime::kUnknown
-                                       : inside ? types::Regime::kSea
-                                                : types::Regime::kPea);
-    message.contact()[j] = known ? truth.contact()[j] : msg::CONTACT_NONE;
-    message.play_angle_rad()[j] = truth.play_angle_rad()[j];
-    message.backlash_rad()[j] = truth.backlash_rad()[j];
-    message.confidence()[j] = known ? 1.0 : 0.0;
+    message.phase[j] = known ? msg::RegimePhase::kExecution : msg::RegimePhase::kWaiting;
+    message.regime[j] = !known   ? msg::RegimeKind::kUnknown
+                        : inside ? msg::RegimeKind::kSea
+                                 : msg::RegimeKind::kPea;
+    message.contact[j] = known ? truth.contact[j] : msg::ContactSide::kNone;
+    message.play_angle_rad[j] = truth.play_angle_rad[j];
+    message.backlash_rad[j] = truth.backlash_rad[j];
+    message.confidence[j] = known ? 1.0 : 0.0;
   }
   return message;
 }

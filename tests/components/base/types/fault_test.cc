@@ -14,6 +14,14 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
+TEST(Fault, IsTheSameAfterItsMessage) {
+  const Fault robot{.cause = FaultCause::kCycleLate, .value = 80.0, .limit = 60.0};
+  const Fault joint{.cause = FaultCause::kAnotherMaster, .joint = 3, .value = 1.5, .limit = 1.0};
+  for (const Fault& fault : {Fault{}, robot, joint}) {
+    EXPECT_EQ(FromMessage(ToMessage(fault)), fault);
+  }
+}
+
 TEST(FaultText, SaysCauseValueLimitAndWhatToDo) {
   EXPECT_THAT(
       FaultText({.cause = FaultCause::kCommandMissing, .value = 62.4, .limit = 60.0}),

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 #include <sinew_idl/actuator.h>
 #include <sinew_idl/joint.h>
+#include <sinew_idl/operator.h>
 #include <sinew_idl/pneumatics.h>
 #include <sinew_idl/reference.h>
 
@@ -24,11 +25,11 @@ constexpr std::size_t LengthOf(const Field&) {
 
 TEST(Joints, TheLimitIsTheLengthOfTheArraysInTheTopics) {
   constexpr auto kLimit = static_cast<std::size_t>(kMaxJoints);
-  EXPECT_EQ(LengthOf(msg::JointState().position_rad()), kLimit);
-  EXPECT_EQ(LengthOf(msg::JointCommand().motor_torque_Nm()), kLimit);
-  EXPECT_EQ(LengthOf(msg::ActuatorState().chamber_pressure_bar()), kLimit);
-  EXPECT_EQ(LengthOf(msg::ValveCommand().valve_open()), kLimit);
-  EXPECT_EQ(LengthOf(msg::Reference().position_rad()), kLimit);
+  EXPECT_EQ(LengthOf(msg::JointState().position_rad), kLimit);
+  EXPECT_EQ(LengthOf(msg::JointCommand().motor_torque_Nm), kLimit);
+  EXPECT_EQ(LengthOf(msg::ActuatorState().chamber_pressure_bar), kLimit);
+  EXPECT_EQ(LengthOf(msg::ValveCommand().valve_open), kLimit);
+  EXPECT_EQ(LengthOf(msg::Reference().position_rad), kLimit);
 }
 
 TEST(Joints, AnArrayHasAnEntryForEachJoint) {
@@ -41,6 +42,12 @@ TEST(Types, TheFirstValueIsTheSafeOne) {
   EXPECT_EQ(ControlMode{}, ControlMode::kIdle);
   EXPECT_EQ(RobotState{}, RobotState::kDisarmed);
   EXPECT_EQ(Regime{}, Regime::kUnknown);
+}
+
+TEST(Types, PeopleReadTheNamesOfTheIdlWithoutTheWordsThatAllShare) {
+  EXPECT_STREQ(NameOf(RobotState::kEstopped), "estopped");
+  EXPECT_STREQ(NameOf(msg::MotionKind::kPushAgainstChamber), "push_against_chamber");
+  EXPECT_STREQ(NameOf(static_cast<RobotState>(7)), "unknown");
 }
 
 }  // namespace

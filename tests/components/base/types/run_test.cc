@@ -13,7 +13,7 @@ using ::testing::HasSubstr;
 TEST(Run, IsEmptyAtFirst) {
   const types::Run run;
   EXPECT_EQ(run.size(), 0);
-  EXPECT_EQ(run.kind, JointKind::kRotary);
+  EXPECT_EQ(run.kind, JointKind::kRevolute);
   for (const Signal signal : AllSignals()) EXPECT_FALSE(run.Has(signal)) << SignalName(signal);
 }
 

@@ -34,22 +34,22 @@ TEST(Signal, UnknownNamesHaveNoSignal) {
 TEST(Signal, ANumberThatIsNoSignalThrows) {
   const auto beyond = static_cast<Signal>(kSignalCount);
   EXPECT_THROW(SignalName(beyond), std::invalid_argument);
-  EXPECT_THROW(SignalUnit(beyond, JointKind::kRotary), std::invalid_argument);
+  EXPECT_THROW(SignalUnit(beyond, JointKind::kRevolute), std::invalid_argument);
 }
 
 TEST(Signal, ALinearJointReadsMetresForRadiansAndNewtonsForNewtonMetres) {
   for (const Signal signal : AllSignals()) {
-    std::string expected(SignalUnit(signal, JointKind::kRotary));
+    std::string expected(SignalUnit(signal, JointKind::kRevolute));
     EXPECT_FALSE(expected.empty()) << SignalName(signal);
     const bool motor = signal == Signal::kMotorPosition || signal == Signal::kMotorVelocity;
     if (!motor && expected.starts_with("rad")) expected.replace(0, 3, "m");
     if (expected == "Nm") expected = "N";
-    EXPECT_EQ(SignalUnit(signal, JointKind::kLinear), expected) << SignalName(signal);
+    EXPECT_EQ(SignalUnit(signal, JointKind::kPrismatic), expected) << SignalName(signal);
   }
-  EXPECT_EQ(SignalUnit(Signal::kVelocity, JointKind::kRotary), "rad/s");
-  EXPECT_EQ(SignalUnit(Signal::kVelocity, JointKind::kLinear), "m/s");
-  EXPECT_EQ(SignalUnit(Signal::kTorque, JointKind::kLinear), "N");
-  EXPECT_EQ(SignalUnit(Signal::kMotorVelocity, JointKind::kLinear), "rad/s");
+  EXPECT_EQ(SignalUnit(Signal::kVelocity, JointKind::kRevolute), "rad/s");
+  EXPECT_EQ(SignalUnit(Signal::kVelocity, JointKind::kPrismatic), "m/s");
+  EXPECT_EQ(SignalUnit(Signal::kTorque, JointKind::kPrismatic), "N");
+  EXPECT_EQ(SignalUnit(Signal::kMotorVelocity, JointKind::kPrismatic), "rad/s");
 }
 
 TEST(Signal, EverySignalHasABitOfItsOwn) {

@@ -56,10 +56,10 @@ double TruthAt(std::uint64_t tick) {
 template <class Message>
 Message Stamped(std::uint64_t tick) {
   Message message;
-  message.header().session_id(77);
-  message.header().tick(tick);
-  message.header().stamp_ns(static_cast<std::int64_t>(static_cast<double>(tick) * kPeriod_s * 1e9));
-  message.header().origin(msg::ORIGIN_SIM);
+  message.header.session_id = 77;
+  message.header.tick = tick;
+  message.header.stamp_ns = static_cast<std::int64_t>(static_cast<double>(tick) * kPeriod_s * 1e9);
+  message.header.origin = msg::Origin::kSim;
   return message;
 }
 
@@ -70,38 +70,38 @@ class Lockstep {
   // Publishes the tick and returns its prediction; then answers as control and motor do.
   void Tick(std::uint64_t tick, msg::RegimeKind regime, bool last) {
     auto state = Stamped<msg::JointState>(tick);
-    state.robot_state(msg::ROBOT_ARMED);
-    state.last_tick(last);
-    state.period_s(kPeriod_s);
-    state.joint_count(1);
-    state.velocity_rad_s()[0] = 1.0;
-    state.valid()[0] = true;
+    state.robot_state = msg::RobotState::kArmed;
+    state.last_tick = last;
+    state.period_s = kPeriod_s;
+    state.joint_count = 1;
+    state.velocity_rad_s[0] = 1.0;
+    state.valid[0] = true;
     auto actuator = Stamped<msg::ActuatorState>(tick);
-    actuator.joint_count(1);
-    actuator.chamber_pressure_bar()[0] = PressureAt(tick);
-    actuator.motor_current_A()[0] = tick == 0 ? 0.0 : TruthAt(tick - 1) / kTorquePerAmpere_Nm;
-    actuator.valid()[0] = true;
+    actuator.joint_count = 1;
+    actuator.chamber_pressure_bar[0] = PressureAt(tick);
+    actuator.motor_current_A[0] = tick == 0 ? 0.0 : TruthAt(tick - 1) / kTorquePerAmpere_Nm;
+    actuator.valid[0] = true;
     auto reference = Stamped<msg::Reference>(tick);
-    reference.joint_count(1);
-    reference.position_rad()[0] = ReferenceAt(tick);
+    reference.joint_count = 1;
+    reference.position_rad[0] = ReferenceAt(tick);
     auto regime_state = Stamped<msg::RegimeState>(tick);
-    regime_state.joint_count(1);
-    regime_state.regime()[0] = regime;
+    regime_state.joint_count = 1;
+    regime_state.regime[0] = regime;
     auto command = Stamped<msg::JointCommand>(tick);
-    command.joint_count(1);
-    command.mode()[0] = msg::COMMAND_TORQUE;
+    command.joint_count = 1;
+    command.mode[0] = msg::CommandMode::kTorque;
     ASSERT_EQ(actuator_.Write(actuator), node::WriteStatus::kOk);
     ASSERT_EQ(reference_.Write(reference), node::WriteStatus::kOk);
     ASSERT_EQ(regime_.Write(regime_state), node::WriteStatus::kOk);
     ASSERT_EQ(state_.Write(state), node::WriteStatus::kOk);
     const auto prediction = prediction_.WaitNext(kLimit);
     ASSERT_TRUE(prediction.has_value()) << "no prediction for tick " << tick;
-    ASSERT_EQ(prediction->header().tick(), tick);
+    ASSERT_EQ(prediction->header.tick, tick);
     predictions.push_back(*prediction);
     ASSERT_EQ(command_.Write(command), node::WriteStatus::kOk);
     const auto readout = readout_.WaitNext(kLimit);
     ASSERT_TRUE(readout.has_value()) << "no readout for tick " << tick;
-    ASSERT_EQ(readout->header().tick(), tick);
+    ASSERT_EQ(readout->header.tick, tick);
     readouts.push_back(*readout);
     const auto adaptation = adaptation_.WaitNext(kLimit);
     ASSERT_TRUE(adaptation.has_value());
@@ -156,9 +156,9 @@ class LearningDds : public ::testing::Test {
     Program rls({Program_("sinew-rls"), "--domain", std::to_string(domain), "--lockstep",
                  "--log-level", "error", "--config", (folder_.path() / "rls.yaml").string()});
     for (std::uint64_t tick = 0; tick < ticks; ++tick) {
-      const msg::RegimeKind regime = tick + 10 >= ticks ? msg::REGIME_UNKNOWN
-                                     : tick < ticks / 2 ? msg::REGIME_SEA
-                                                        : msg::REGIME_PEA;
+      const msg::RegimeKind regime = tick + 10 >= ticks ? msg::RegimeKind::kUnknown
+                                     : tick < ticks / 2 ? msg::RegimeKind::kSea
+                                                        : msg::RegimeKind::kPea;
       lockstep->Tick(tick, regime, tick + 1 == ticks);
       ASSERT_FALSE(HasFatalFailure()) << "esn says: " << esn.error() << "rls says: " << rls.error();
     }
@@ -180,10 +180,10 @@ TEST_F(LearningDds, PredictionsAreThoseOfTheNetworksWithTheReadoutOfTheTickBefor
   for (std::uint64_t tick = 0; tick < kTicks; ++tick) {
     if (tick > 0) {
       const msg::Readout& readout = lockstep.readouts[tick - 1];
-      const Eigen::Map<const Eigen::RowVectorXd> weights(readout.weight().data(),
-                                                         readout.feature_count());
-      ASSERT_TRUE(expected.SetReadout(static_cast<esn::Which>(readout.network()), readout.version(),
-                                      weights));
+      const Eigen::Map<const Eigen::RowVectorXd> weights(readout.weight.data(),
+                                                         readout.feature_count);
+      ASSERT_TRUE(
+          expected.SetReadout(static_cast<esn::Which>(readout.network), readout.version, weights));
     }
     esn::Frame frame;
     frame.Set(esn::Signal::kReferencePosition, 0, ReferenceAt(tick));
@@ -193,13 +193,13 @@ TEST_F(LearningDds, PredictionsAreThoseOfTheNetworksWithTheReadoutOfTheTickBefor
                                                    : tick < kTicks / 2 ? types::Regime::kSea
                                                                        : types::Regime::kPea);
     const msg::TorquePrediction& got = lockstep.predictions[tick];
-    ASSERT_EQ(got.torque_Nm()[0], p.torque_Nm[0]) << tick;
-    ASSERT_EQ(got.sea_torque_Nm()[0], p.sea_torque_Nm[0]) << tick;
-    ASSERT_EQ(got.pea_torque_Nm()[0], p.pea_torque_Nm[0]) << tick;
-    ASSERT_EQ(got.valid()[0], !unknown) << tick;
-    ASSERT_FALSE(got.stale()) << tick;
-    ASSERT_EQ(got.reference_tick(), tick);
-    ASSERT_EQ(got.readout_tick(), tick == 0 ? node::kNoTick : tick - 1);
+    ASSERT_EQ(got.torque_Nm[0], p.torque_Nm[0]) << tick;
+    ASSERT_EQ(got.sea_torque_Nm[0], p.sea_torque_Nm[0]) << tick;
+    ASSERT_EQ(got.pea_torque_Nm[0], p.pea_torque_Nm[0]) << tick;
+    ASSERT_EQ(got.valid[0], !unknown) << tick;
+    ASSERT_FALSE(got.stale) << tick;
+    ASSERT_EQ(got.reference_tick, tick);
+    ASSERT_EQ(got.readout_tick, tick == 0 ? node::kNoTick : tick - 1);
   }
 }
 
@@ -209,7 +209,7 @@ TEST_F(LearningDds, AdaptationFindsTheTorqueOfTheMotor) {
   const auto rms = [&](std::uint64_t begin, std::uint64_t end) {
     double sum = 0.0;
     for (std::uint64_t t = begin; t < end; ++t) {
-      sum += std::pow(lockstep.predictions[t].torque_Nm()[0] - TruthAt(t), 2);
+      sum += std::pow(lockstep.predictions[t].torque_Nm[0] - TruthAt(t), 2);
     }
     return std::sqrt(sum / static_cast<double>(end - begin));
   };
@@ -218,11 +218,11 @@ TEST_F(LearningDds, AdaptationFindsTheTorqueOfTheMotor) {
   EXPECT_LT(rms(kTicks / 2 - 100, kTicks / 2), 0.02);
   EXPECT_GT(rms(kTicks / 2, kTicks / 2 + 20), 0.5);
   EXPECT_LT(rms(kTicks - 110, kTicks - 10), 0.02);
-  EXPECT_TRUE(lockstep.adaptations[0].frozen()) << "nothing to learn from in the first tick";
-  EXPECT_FALSE(lockstep.adaptations[5].frozen());
-  EXPECT_TRUE(lockstep.adaptations[kTicks - 1].frozen()) << "the regime is unknown";
-  EXPECT_GT(lockstep.readouts.back().version(), kTicks / 2);
-  EXPECT_EQ(lockstep.readouts.back().network(), 1);
+  EXPECT_TRUE(lockstep.adaptations[0].frozen) << "nothing to learn from in the first tick";
+  EXPECT_FALSE(lockstep.adaptations[5].frozen);
+  EXPECT_TRUE(lockstep.adaptations[kTicks - 1].frozen) << "the regime is unknown";
+  EXPECT_GT(lockstep.readouts.back().version, kTicks / 2);
+  EXPECT_EQ(lockstep.readouts.back().network, 1);
 }
 
 TEST_F(LearningDds, TheSameSessionTwiceGivesTheSameBits) {

@@ -54,7 +54,7 @@ TEST_F(ModelFileTest, ReadsTheRig) {
   const RobotModel robot = LoadRobotModel(RigPath());
   ASSERT_EQ(robot.joints.size(), 1u);
   const JointModel& joint = robot.joints[0];
-  EXPECT_EQ(joint.kind, types::JointKind::kRotary);
+  EXPECT_EQ(joint.kind, types::JointKind::kRevolute);
   EXPECT_EQ(joint.constants.gear_ratio, 100.0);
   EXPECT_EQ(joint.Parameter("drive_current", "efficiency"), 0.77);
   EXPECT_EQ(joint.Parameter("pneumatic_stiffness", "rest_angle"), 0.16);
@@ -66,7 +66,7 @@ TEST_F(ModelFileTest, ReadsTheRig) {
 TEST_F(ModelFileTest, ReadsTheLinearAxis) {
   const RobotModel robot = LoadRobotModel(SINEW_SOURCE_DIR "/robots/emps/model.yaml");
   const JointModel& joint = robot.joints.at(0);
-  EXPECT_EQ(joint.kind, types::JointKind::kLinear);
+  EXPECT_EQ(joint.kind, types::JointKind::kPrismatic);
   EXPECT_EQ(joint.Parameter("drive_voltage", "gain"), 35.1506518825);
   EXPECT_TRUE(joint.terms[0].linear[0].fixed);
 }

@@ -585,8 +585,8 @@ TEST(UnitSuffix, GivesTheYamlSuffixForBothKinds) {
       {Dimension::kRate, "1_s", "1_s"},
   };
   for (const Row& row : rows) {
-    EXPECT_EQ(UnitSuffix(row.dimension, types::JointKind::kRotary), row.rotary);
-    EXPECT_EQ(UnitSuffix(row.dimension, types::JointKind::kLinear), row.linear);
+    EXPECT_EQ(UnitSuffix(row.dimension, types::JointKind::kRevolute), row.rotary);
+    EXPECT_EQ(UnitSuffix(row.dimension, types::JointKind::kPrismatic), row.linear);
   }
 }
 

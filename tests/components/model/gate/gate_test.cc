@@ -304,7 +304,7 @@ TEST(Gate, ARegisterWhoseSignBitCountsIsWrapped) {
 
 TEST(Gate, ALinearJointNeedsNoLeverAndNoGravity) {
   actuator::JointModel axis = SmallModel({{"load_force", 1.0}, {"declared_payload", 1.0}});
-  axis.kind = types::JointKind::kLinear;
+  axis.kind = types::JointKind::kPrismatic;
   axis.constants.link_length_m = 1.0;
   axis.constants.gravity_m_s2 = 0.0;
   EXPECT_TRUE(ExamineData({}, axis).faults.empty());

@@ -40,7 +40,7 @@ RigParameters LabRig() {
 types::Run ToRun(const std::vector<surrogate::LogRow>& rows, const std::string& name) {
   types::Run run;
   run.name = name;
-  run.kind = types::JointKind::kRotary;
+  run.kind = types::JointKind::kRevolute;
   const auto n = static_cast<Eigen::Index>(rows.size());
   run.time_s.resize(n);
   const auto fill = [&](Signal signal, auto value) {

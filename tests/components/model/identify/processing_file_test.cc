@@ -12,7 +12,7 @@ config::Section Parse(const std::string& blocks) {
 std::string ErrorOf(const std::string& blocks) {
   try {
     const config::Section root = Parse(blocks);
-    ReadProcessing(root, types::JointKind::kRotary);
+    ReadProcessing(root, types::JointKind::kRevolute);
     ReadAsPublished(root);
   } catch (const UsageError& error) {
     return error.what();
@@ -24,12 +24,12 @@ TEST(ProcessingFile, ReadsWhatIsThereAndLeavesTheRestToTheData) {
   const ProcessingOptions options =
       ReadProcessing(Parse("processing: {state_cutoff_Hz: 20, rest_velocity_rad_s: 0.04, "
                            "settle_distance_rad: 0.01}\n"),
-                     types::JointKind::kRotary);
+                     types::JointKind::kRevolute);
   EXPECT_DOUBLE_EQ(options.state_cutoff_Hz, 20.0);
   EXPECT_DOUBLE_EQ(options.rest_velocity, 0.04);
   EXPECT_DOUBLE_EQ(options.settle_distance, 0.01);
   EXPECT_DOUBLE_EQ(options.parallel_cutoff_Hz, 0.0);
-  EXPECT_DOUBLE_EQ(ReadProcessing(Parse("name: x\n"), types::JointKind::kLinear).state_cutoff_Hz,
+  EXPECT_DOUBLE_EQ(ReadProcessing(Parse("name: x\n"), types::JointKind::kPrismatic).state_cutoff_Hz,
                    0.0);
 }
 

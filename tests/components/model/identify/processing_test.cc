@@ -268,7 +268,7 @@ TEST(Processing, MissingSignalsAndWrongKindsAreRefused) {
   no_force.signals.erase(types::Signal::kLoadForce);  // a term of the model reads it
   EXPECT_THROW(MakeStates({no_force}, model, SyntheticProcessing()), std::invalid_argument);
   types::Run linear = run;
-  linear.kind = types::JointKind::kLinear;
+  linear.kind = types::JointKind::kPrismatic;
   EXPECT_THROW(MakeStates({linear}, model, SyntheticProcessing()), std::invalid_argument);
   EXPECT_THROW(MakeStates({}, model, SyntheticProcessing()), std::invalid_argument);
 }

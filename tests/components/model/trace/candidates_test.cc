@@ -162,10 +162,10 @@ TEST(Candidates, ATemperaturePerRecordingNeedsOneThatComesTwice) {
 
 TEST(Candidates, LinearJointsHaveNoAngles) {
   actuator::JointModel model = SyntheticModel();
-  model.kind = types::JointKind::kLinear;
+  model.kind = types::JointKind::kPrismatic;
   model.terms.erase(model.terms.begin() + 4);  // gravity
   types::Run run = SyntheticRun(SyntheticModel(), {.duration_s = 10.0});
-  run.kind = types::JointKind::kLinear;
+  run.kind = types::JointKind::kPrismatic;
   const CandidateSet set = MakeCandidates(MakeDesign({run}, model), model, {});
   EXPECT_FALSE(Has(set, "gravity"));
   EXPECT_FALSE(Has(set, "payload"));

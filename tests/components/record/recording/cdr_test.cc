@@ -32,43 +32,43 @@ struct Topic {
 
 msg::JointState MakeJointState() {
   msg::JointState message;
-  message.header().session_id(0xfedcba9876543210u);
-  message.header().tick(77);
-  message.header().stamp_ns(-5);
-  message.header().origin(msg::ORIGIN_SIM);
-  message.robot_state(msg::ROBOT_FAULT);
-  message.last_tick(true);
-  message.period_s(1.0 / 240.0);
-  message.joint_count(2);
-  message.joint_kind()[1] = msg::JOINT_PRISMATIC;
+  message.header.session_id = 0xfedcba9876543210u;
+  message.header.tick = 77;
+  message.header.stamp_ns = -5;
+  message.header.origin = msg::Origin::kSim;
+  message.robot_state = msg::RobotState::kFault;
+  message.last_tick = true;
+  message.period_s = 1.0 / 240.0;
+  message.joint_count = 2;
+  message.joint_kind[1] = msg::JointKind::kPrismatic;
   for (std::size_t j = 0; j < 12; ++j) {
-    message.position_rad()[j] = 0.1 * static_cast<double>(j) - 0.3;
-    message.velocity_rad_s()[j] = 1e-3 * static_cast<double>(j);
-    message.torque_Nm()[j] = -1.0 / (1.0 + static_cast<double>(j));
-    message.age_us()[j] = static_cast<std::int32_t>(j) - 3;
-    message.valid()[j] = j % 2 == 0;
+    message.position_rad[j] = 0.1 * static_cast<double>(j) - 0.3;
+    message.velocity_rad_s[j] = 1e-3 * static_cast<double>(j);
+    message.torque_Nm[j] = -1.0 / (1.0 + static_cast<double>(j));
+    message.age_us[j] = static_cast<std::int32_t>(j) - 3;
+    message.valid[j] = j % 2 == 0;
   }
   return message;
 }
 
 msg::Readout MakeReadout() {
   msg::Readout message;
-  message.header().tick(3);
-  message.version(9);
-  message.network(1);
-  message.feature_count(5);
-  for (int i = 0; i < 5; ++i) message.weight().push_back(0.5 * i);
+  message.header.tick = 3;
+  message.version = 9;
+  message.network = 1;
+  message.feature_count = 5;
+  for (int i = 0; i < 5; ++i) message.weight.push_back(0.5 * i);
   return message;
 }
 
 msg::ComponentStatus MakeStatus() {
   msg::ComponentStatus message;
-  message.name("logger");
-  message.header().tick(12);
-  message.host("rig \xC3\xA4");
-  message.state(msg::COMPONENT_ACTIVE);
-  message.resident_MB(31.5);
-  message.message("two \"quoted\" words");
+  message.name = "logger";
+  message.header.tick = 12;
+  message.host = "rig \xC3\xA4";
+  message.state = msg::ComponentState::kActive;
+  message.resident_MB = 31.5;
+  message.message = "two \"quoted\" words";
   return message;
 }
 
@@ -92,15 +92,15 @@ TEST(CdrField, ReadsWhatTheDdsLibraryWrote) {
   EXPECT_EQ(CdrField(topic.type, "header.stamp_ns").AsInt(bytes), -5);
   EXPECT_EQ(CdrField(topic.type, "header.origin").AsText(bytes), "ORIGIN_SIM");
   EXPECT_EQ(CdrField(topic.type, "robot_state").AsText(bytes), "ROBOT_FAULT");
-  EXPECT_EQ(real("period_s"), message.period_s());
+  EXPECT_EQ(real("period_s"), message.period_s);
   EXPECT_EQ(CdrField(topic.type, "joint_kind[1]").AsText(bytes), "JOINT_PRISMATIC");
   for (std::size_t j = 0; j < 12; ++j) {
     const std::string index = std::string("[").append(std::to_string(j)).append("]");
-    EXPECT_EQ(real("position_rad" + index), message.position_rad()[j]);
-    EXPECT_EQ(real("velocity_rad_s" + index), message.velocity_rad_s()[j]);
-    EXPECT_EQ(real("torque_Nm" + index), message.torque_Nm()[j]);
-    EXPECT_EQ(CdrField(topic.type, "age_us" + index).AsInt(bytes), message.age_us()[j]);
-    EXPECT_EQ(real("valid" + index), message.valid()[j] ? 1.0 : 0.0);
+    EXPECT_EQ(real("position_rad" + index), message.position_rad[j]);
+    EXPECT_EQ(real("velocity_rad_s" + index), message.velocity_rad_s[j]);
+    EXPECT_EQ(real("torque_Nm" + index), message.torque_Nm[j]);
+    EXPECT_EQ(CdrField(topic.type, "age_us" + index).AsInt(bytes), message.age_us[j]);
+    EXPECT_EQ(real("valid" + index), message.valid[j] ? 1.0 : 0.0);
   }
 }
 
@@ -124,22 +124,22 @@ TEST(CdrField, SetsInPlaceWhatTheDdsLibraryReadsBack) {
   const msg::JointState expected = MakeJointState();
   CdrField(topic.type, "header.tick").SetInt(bytes, 77);
   CdrField(topic.type, "header.origin").SetInt(bytes, 1);
-  CdrField(topic.type, "period_s").Set(bytes, expected.period_s());
+  CdrField(topic.type, "period_s").Set(bytes, expected.period_s);
   CdrField(topic.type, "valid[2]").SetInt(bytes, 1);
   CdrField(topic.type, "age_us[0]").SetInt(bytes, -3);
   for (std::size_t j = 0; j < 12; ++j) {
     CdrField(topic.type, std::string("position_rad[").append(std::to_string(j)).append("]"))
-        .Set(bytes, expected.position_rad()[j]);
+        .Set(bytes, expected.position_rad[j]);
   }
   msg::JointState message;
   ASSERT_TRUE(node::Decode(bytes, &message));
-  EXPECT_EQ(message.header().tick(), 77u);
-  EXPECT_EQ(message.header().origin(), msg::ORIGIN_SIM);
-  EXPECT_EQ(message.period_s(), expected.period_s());
-  EXPECT_EQ(message.position_rad(), expected.position_rad());
-  EXPECT_EQ(message.age_us()[0], -3);
-  EXPECT_TRUE(message.valid()[2]);
-  EXPECT_FALSE(message.valid()[1]);
+  EXPECT_EQ(message.header.tick, 77u);
+  EXPECT_EQ(message.header.origin, msg::Origin::kSim);
+  EXPECT_EQ(message.period_s, expected.period_s);
+  EXPECT_EQ(message.position_rad, expected.position_rad);
+  EXPECT_EQ(message.age_us[0], -3);
+  EXPECT_TRUE(message.valid[2]);
+  EXPECT_FALSE(message.valid[1]);
 }
 
 TEST(CdrField, NamesTheFieldsThereAre) {
@@ -197,11 +197,11 @@ TEST(Cdr, GoesThroughJsonAndBackWithoutChange) {
   check("readout", Encoded(MakeReadout()));
   check("component_status", Encoded(MakeStatus()));
   msg::ActuatorState strange;
-  strange.motor_current_A()[0] = std::numeric_limits<double>::quiet_NaN();
-  strange.motor_current_A()[1] = std::numeric_limits<double>::infinity();
-  strange.motor_current_A()[2] = -std::numeric_limits<double>::infinity();
-  strange.motor_current_A()[3] = -0.0;
-  strange.motor_current_A()[4] = std::numeric_limits<double>::denorm_min();
+  strange.motor_current_A[0] = std::numeric_limits<double>::quiet_NaN();
+  strange.motor_current_A[1] = std::numeric_limits<double>::infinity();
+  strange.motor_current_A[2] = -std::numeric_limits<double>::infinity();
+  strange.motor_current_A[3] = -0.0;
+  strange.motor_current_A[4] = std::numeric_limits<double>::denorm_min();
   check("actuator_state", Encoded(strange));
 }
 

@@ -226,7 +226,7 @@ TEST(Csv, NeverCrashesOnRandomText) {
 TEST(CsvMap, AppliesUnitScaleOffsetAndSign) {
   const types::Run run =
       ReadCsvRun("t,angle,current\n0,90,2\n4,180,-2\n", "data.csv", ParseCsvMap(kMap, "map.yaml"));
-  EXPECT_EQ(run.kind, types::JointKind::kRotary);
+  EXPECT_EQ(run.kind, types::JointKind::kRevolute);
   EXPECT_EQ(run.time_s[1], 0.004);
   EXPECT_DOUBLE_EQ(run.At(Signal::kPosition)[1], -3.14159265358979312);
   EXPECT_EQ(run.At(Signal::kMotorCurrent)[0], 2.0);  // 0.5 * 2 + 1

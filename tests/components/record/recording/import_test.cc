@@ -75,7 +75,7 @@ std::string AllSignalsMap() {
   for (const Signal signal : RecordedSignals()) {
     const std::string name(types::SignalName(signal));
     map += "  " + name + ": {column: " + name +
-           ", unit: " + std::string(types::SignalUnit(signal, types::JointKind::kRotary)) + "}\n";
+           ", unit: " + std::string(types::SignalUnit(signal, types::JointKind::kRevolute)) + "}\n";
   }
   return map;
 }
@@ -185,7 +185,7 @@ TEST_F(Import, StampsAreExactNanosecondsAndHeadersSayReplay) {
     EXPECT_EQ(CdrField(type, "last_tick").AsInt(message.data), i == 2 ? 1 : 0);
   }
   EXPECT_FALSE(messages.Next(&message));
-  EXPECT_EQ(ReadRuns(folder_ / "run.mcap").at(0).kind, types::JointKind::kLinear);
+  EXPECT_EQ(ReadRuns(folder_ / "run.mcap").at(0).kind, types::JointKind::kPrismatic);
 }
 
 TEST_F(Import, KeepsMeasuredDataOfAnotherRig) {

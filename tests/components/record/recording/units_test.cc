@@ -53,12 +53,12 @@ TEST(Units, RefuseAUnitOfAnotherQuantity) {
 TEST(Units, DependOnTheKindOfJoint) {
   using types::JointKind;
   using types::Signal;
-  EXPECT_EQ(QuantityOf(Signal::kPosition, JointKind::kRotary), Quantity::kAngle);
-  EXPECT_EQ(QuantityOf(Signal::kPosition, JointKind::kLinear), Quantity::kLength);
-  EXPECT_EQ(QuantityOf(Signal::kTorque, JointKind::kLinear), Quantity::kForce);
-  EXPECT_EQ(QuantityOf(Signal::kMotorPosition, JointKind::kLinear), Quantity::kAngle);
+  EXPECT_EQ(QuantityOf(Signal::kPosition, JointKind::kRevolute), Quantity::kAngle);
+  EXPECT_EQ(QuantityOf(Signal::kPosition, JointKind::kPrismatic), Quantity::kLength);
+  EXPECT_EQ(QuantityOf(Signal::kTorque, JointKind::kPrismatic), Quantity::kForce);
+  EXPECT_EQ(QuantityOf(Signal::kMotorPosition, JointKind::kPrismatic), Quantity::kAngle);
   for (const Signal signal : types::AllSignals()) {
-    for (const JointKind kind : {JointKind::kRotary, JointKind::kLinear}) {
+    for (const JointKind kind : {JointKind::kRevolute, JointKind::kPrismatic}) {
       EXPECT_TRUE(FindUnit(QuantityOf(signal, kind), types::SignalUnit(signal, kind)).has_value())
           << types::SignalName(signal);
     }

@@ -127,7 +127,7 @@ TEST(Compensator, HysteresisFollowsTheReference) {
 
 TEST(Compensator, APrismaticAxisGetsForceAtTheOutput) {
   actuator::JointModel axis;
-  axis.kind = types::JointKind::kLinear;
+  axis.kind = types::JointKind::kPrismatic;
   axis.constants.force_constant_N_V = 35.15;
   AddTerm(&axis, "drive_voltage", {35.15});
   AddTerm(&axis, "inertia", {95.0});

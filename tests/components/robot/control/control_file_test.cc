@@ -80,7 +80,7 @@ TEST(ControlFile, AnotherModelMayTakeThePlaceOfTheNamedOne) {
                                  kRig + ", force_limit_N: 350, pid: {proportional_N_m: 1000}}]\n",
                              "control.yaml", "sinew-control/1"),
       kEmps);
-  EXPECT_EQ(config.joints[0].model->kind, types::JointKind::kLinear);
+  EXPECT_EQ(config.joints[0].model->kind, types::JointKind::kPrismatic);
 }
 
 TEST(ControlFile, APrismaticAxisCarriesNewtonsAndMetres) {

@@ -42,13 +42,13 @@ class InputsOnLiveHardware : public testing::Test {
     auto states = provider.MakeWriter(node::kJointState);
     while (!done_) {
       msg::JointState state;
-      state.header().session_id(kLiveSession);
-      state.header().tick(++tick_);
-      state.header().origin(msg::ORIGIN_LIVE);
-      state.period_s(0.004);
-      state.robot_state(msg::ROBOT_ARMED);
-      state.joint_count(1);
-      state.valid()[0] = true;
+      state.header.session_id = kLiveSession;
+      state.header.tick = ++tick_;
+      state.header.origin = msg::Origin::kLive;
+      state.period_s = 0.004;
+      state.robot_state = msg::RobotState::kArmed;
+      state.joint_count = 1;
+      state.valid[0] = true;
       EXPECT_EQ(states.Write(state), node::WriteStatus::kOk);
       provider.WaitForData(5ms);
     }
@@ -70,18 +70,18 @@ class InputsOnLiveHardware : public testing::Test {
   }
   void AskMotion(std::uint64_t session_id, msg::Origin origin) {
     msg::MotionRequest request;
-    request.header().session_id(session_id);
-    request.header().tick(tick_);
-    request.header().origin(origin);
-    request.joint_count(1);
-    request.kind()[0] = msg::MOTION_HOLD;
+    request.header.session_id = session_id;
+    request.header.tick = tick_;
+    request.header.origin = origin;
+    request.joint_count = 1;
+    request.kind[0] = msg::MotionKind::kHold;
     EXPECT_EQ(motion_.Write(request), node::WriteStatus::kOk);
   }
   void Say(std::uint64_t session_id, msg::Origin origin, msg::OperatorAction action) {
     msg::OperatorCommand command;
-    command.header().session_id(session_id);
-    command.header().origin(origin);
-    command.action(action);
+    command.header.session_id = session_id;
+    command.header.origin = origin;
+    command.action = action;
     EXPECT_EQ(operator_.Write(command), node::WriteStatus::kOk);
   }
 
@@ -99,24 +99,24 @@ class InputsOnLiveHardware : public testing::Test {
 
 TEST_F(InputsOnLiveHardware, MotionIsTakenFromTheLiveSessionOnly) {
   ASSERT_TRUE(Matched());
-  AskMotion(kLiveSession, msg::ORIGIN_REPLAY);
-  AskMotion(kLiveSession, msg::ORIGIN_SIM);
-  AskMotion(kLiveSession + 1, msg::ORIGIN_LIVE);
+  AskMotion(kLiveSession, msg::Origin::kReplay);
+  AskMotion(kLiveSession, msg::Origin::kSim);
+  AskMotion(kLiveSession + 1, msg::Origin::kLive);
   ASSERT_TRUE(CyclesUntil([&] { return inputs_.refused() == 3; }));
   EXPECT_EQ(last_.motion[0].kind, types::Motion::kNone);
-  AskMotion(kLiveSession, msg::ORIGIN_LIVE);
+  AskMotion(kLiveSession, msg::Origin::kLive);
   EXPECT_TRUE(CyclesUntil([&] { return last_.motion[0].kind == types::Motion::kHold; }));
 }
 
 TEST_F(InputsOnLiveHardware, AnEstopCountsAlwaysAResetFromTheLiveSessionOnly) {
   ASSERT_TRUE(Matched());
   EXPECT_TRUE(last_.armed);
-  Say(kLiveSession + 1, msg::ORIGIN_REPLAY, msg::OPERATOR_ESTOP);
-  Say(kLiveSession, msg::ORIGIN_REPLAY, msg::OPERATOR_RESET);
-  Say(kLiveSession + 1, msg::ORIGIN_LIVE, msg::OPERATOR_RESET);
+  Say(kLiveSession + 1, msg::Origin::kReplay, msg::OperatorAction::kEstop);
+  Say(kLiveSession, msg::Origin::kReplay, msg::OperatorAction::kReset);
+  Say(kLiveSession + 1, msg::Origin::kLive, msg::OperatorAction::kReset);
   ASSERT_TRUE(CyclesUntil([&] { return inputs_.refused() == 2; }));
   EXPECT_FALSE(last_.armed);
-  Say(kLiveSession, msg::ORIGIN_LIVE, msg::OPERATOR_RESET);
+  Say(kLiveSession, msg::Origin::kLive, msg::OperatorAction::kReset);
   EXPECT_TRUE(CyclesUntil([&] { return last_.armed; }));
 }
 

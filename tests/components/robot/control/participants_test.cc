@@ -105,29 +105,28 @@ TEST(Participants, FindTheContactThenFollowTheBenchmark) {
   while (const auto tick = loop.Next()) {
     loop.Publish(progress, msg::RecordingProgress{}, *tick);
     const double time_s = static_cast<double>(tick->tick) * tick->period_s;
-    saw_setup = saw_setup || regime.value().phase()[0] == msg::PHASE_SETUP;
-    if (setup_done_s < 0.0 && regime.value().phase()[0] == msg::PHASE_EXECUTION) {
+    saw_setup = saw_setup || regime.value().phase[0] == msg::RegimePhase::kSetup;
+    if (setup_done_s < 0.0 && regime.value().phase[0] == msg::RegimePhase::kExecution) {
       setup_done_s = time_s;
-      EXPECT_EQ(regime.value().regime()[0], msg::REGIME_PEA);
-      EXPECT_EQ(regime.value().contact()[0], msg::CONTACT_LOWER);
+      EXPECT_EQ(regime.value().regime[0], msg::RegimeKind::kPea);
+      EXPECT_EQ(regime.value().contact[0], msg::ContactSide::kLower);
       // Motor and output zero are aligned in the surrogate: alpha counts from half the backlash
       // below.
       const double gap_rad =
-          actuator.value().motor_position_rad()[0] / 100.0 - state.value().position_rad()[0];
-      EXPECT_NEAR(regime.value().play_angle_rad()[0], gap_rad + 0.5 * 0.0464258, 1e-3);
+          actuator.value().motor_position_rad[0] / 100.0 - state.value().position_rad[0];
+      EXPECT_NEAR(regime.value().play_angle_rad[0], gap_rad + 0.5 * 0.0464258, 1e-3);
     }
-    if (setup_done_s >= 0.0) unknown_after += regime.value().regime()[0] == msg::REGIME_UNKNOWN;
-    stale += command.value().stale();
-    EXPECT_EQ(command.value().reference_tick(), tick->tick);
+    if (setup_done_s >= 0.0) unknown_after += regime.value().regime[0] == msg::RegimeKind::kUnknown;
+    stale += command.value().stale;
+    EXPECT_EQ(command.value().reference_tick, tick->tick);
     if (time_s > 16.0 && time_s < 26.0) {
-      EXPECT_FALSE(reference.value().idle());
-      const double error_rad =
-          reference.value().position_rad()[0] - state.value().position_rad()[0];
+      EXPECT_FALSE(reference.value().idle);
+      const double error_rad = reference.value().position_rad[0] - state.value().position_rad[0];
       squares += error_rad * error_rad;
       ++scored;
-      worst_air_bar = std::max(worst_air_bar, std::abs(air.value().pressure_bar()[0] - 4.0));
+      worst_air_bar = std::max(worst_air_bar, std::abs(air.value().pressure_bar[0] - 4.0));
     } else if (time_s < 14.0) {
-      EXPECT_TRUE(reference.value().idle());
+      EXPECT_TRUE(reference.value().idle);
     }
   }
   EXPECT_TRUE(saw_setup);
@@ -176,39 +175,40 @@ TEST(Participants, ControlHoldsAndSaysSoWhenTheReferenceDiesAndIdlesOnEstop) {
   };
   ASSERT_TRUE(wait([&] {
     look();
-    return command.header().session_id() != 0 &&
-           command.header().session_id() == state.header().session_id();
+    return command.header.session_id != 0 && command.header.session_id == state.header.session_id;
   })) << provider->error()
       << control->error();
-  EXPECT_EQ(command.mode()[0], msg::COMMAND_IDLE) << "everything starts disarmed";
+  EXPECT_EQ(command.mode[0], msg::CommandMode::kIdle) << "everything starts disarmed";
 
   msg::OperatorCommand arm;
-  arm.header().session_id(state.header().session_id());
-  arm.action(msg::OPERATOR_ARM);
+  arm.header.session_id = state.header.session_id;
+  arm.action = msg::OperatorAction::kArm;
   ASSERT_TRUE(wait([&] {  // events are volatile: said again until heard
-    if (state.robot_state() == msg::ROBOT_DISARMED) static_cast<void>(operator_command.Write(arm));
+    if (state.robot_state == msg::RobotState::kDisarmed)
+      static_cast<void>(operator_command.Write(arm));
     look();
-    return state.robot_state() == msg::ROBOT_ARMED && command.mode()[0] == msg::COMMAND_TORQUE &&
-           !command.stale();
+    return state.robot_state == msg::RobotState::kArmed &&
+           command.mode[0] == msg::CommandMode::kTorque && !command.stale;
   }));
 
   reference->Signal(SIGKILL);
   EXPECT_TRUE(wait([&] {
     look();
-    return command.stale() && command.mode()[0] == msg::COMMAND_TORQUE &&
-           command.reference_tick() + 10 < command.header().tick();
+    return command.stale && command.mode[0] == msg::CommandMode::kTorque &&
+           command.reference_tick + 10 < command.header.tick;
   })) << "a lost reference is reported, and the joint is held";
-  EXPECT_NE(state.robot_state(), msg::ROBOT_FAULT);
+  EXPECT_NE(state.robot_state, msg::RobotState::kFault);
 
   msg::OperatorCommand estop = arm;
-  estop.action(msg::OPERATOR_ESTOP);
+  estop.action = msg::OperatorAction::kEstop;
   EXPECT_TRUE(wait([&] {
-    if (state.robot_state() != msg::ROBOT_ESTOPPED)
+    if (state.robot_state != msg::RobotState::kEstopped)
       static_cast<void>(operator_command.Write(estop));
     look();
     const auto valve = valves.TakeLatest();
-    return state.robot_state() == msg::ROBOT_ESTOPPED && command.mode()[0] == msg::COMMAND_IDLE &&
-           valve && !valve->valve_open()[0] && !valve->compressor_on()[0];
+    return state.robot_state == msg::RobotState::kEstopped &&
+           command.mode[0] == msg::CommandMode::kIdle && valve && !valve->valve_open[0] &&
+           !valve->compressor_on[0];
   }));
   for (Program* program : {control.get(), pneumatics.get(), provider.get()}) {
     program->Signal(SIGINT);
@@ -238,11 +238,11 @@ TEST(Participants, FollowAPrismaticAxisCommandedInNewtons) {
   int scored = 0;
   while (const auto tick = loop.Next()) {
     loop.Publish(progress, msg::RecordingProgress{}, *tick);
-    largest_N = std::max(largest_N, std::abs(command.value().motor_torque_Nm()[0]));
+    largest_N = std::max(largest_N, std::abs(command.value().motor_torque_Nm[0]));
     if (static_cast<double>(tick->tick) * tick->period_s < 3.0) continue;
-    EXPECT_EQ(state.value().joint_kind()[0], msg::JOINT_PRISMATIC);
-    worst_m = std::max(
-        worst_m, std::abs(reference.value().position_rad()[0] - state.value().position_rad()[0]));
+    EXPECT_EQ(state.value().joint_kind[0], msg::JointKind::kPrismatic);
+    worst_m = std::max(worst_m,
+                       std::abs(reference.value().position_rad[0] - state.value().position_rad[0]));
     ++scored;
   }
   EXPECT_GT(scored, 1500);

@@ -29,20 +29,20 @@ class RequestsOnLiveHardware : public testing::Test {
   template <class Message>
   static Message From(std::uint64_t session_id, msg::Origin origin) {
     Message message;
-    message.header().session_id(session_id);
-    message.header().origin(origin);
+    message.header.session_id = session_id;
+    message.header.origin = origin;
     return message;
   }
   void AskPressure(std::uint64_t session_id, msg::Origin origin, double pressure_bar) {
     auto request = From<msg::StiffnessRequest>(session_id, origin);
-    request.joint_count(1);
-    request.kind()[0] = msg::STIFFNESS_PRESSURE;
-    request.pressure_bar()[0] = pressure_bar;
+    request.joint_count = 1;
+    request.kind[0] = msg::StiffnessKind::kPressure;
+    request.pressure_bar[0] = pressure_bar;
     EXPECT_EQ(stiffness_.Write(request), node::WriteStatus::kOk);
   }
   void Say(std::uint64_t session_id, msg::Origin origin, msg::OperatorAction action) {
     auto command = From<msg::OperatorCommand>(session_id, origin);
-    command.action(action);
+    command.action = action;
     EXPECT_EQ(operator_.Write(command), node::WriteStatus::kOk);
   }
   template <class Condition>
@@ -71,22 +71,22 @@ class RequestsOnLiveHardware : public testing::Test {
 
 TEST_F(RequestsOnLiveHardware, StiffnessIsTakenFromTheLiveSessionOnly) {
   ASSERT_TRUE(Matched());
-  AskPressure(kSession, msg::ORIGIN_LIVE, 0.5);
-  AskPressure(kSession, msg::ORIGIN_REPLAY, 1.0);
-  AskPressure(kSession, msg::ORIGIN_SIM, 1.5);
-  AskPressure(kSession + 1, msg::ORIGIN_LIVE, 2.0);
+  AskPressure(kSession, msg::Origin::kLive, 0.5);
+  AskPressure(kSession, msg::Origin::kReplay, 1.0);
+  AskPressure(kSession, msg::Origin::kSim, 1.5);
+  AskPressure(kSession + 1, msg::Origin::kLive, 2.0);
   ASSERT_TRUE(TakeUntil([&] { return requests_.refused() == 3; }));
   EXPECT_EQ(managers_[0].target_bar(), 0.5);
 }
 
 TEST_F(RequestsOnLiveHardware, AnEstopCountsAlwaysAResetFromTheLiveSessionOnly) {
   ASSERT_TRUE(Matched());
-  Say(kSession + 1, msg::ORIGIN_REPLAY, msg::OPERATOR_ESTOP);
-  Say(kSession, msg::ORIGIN_REPLAY, msg::OPERATOR_RESET);
-  Say(kSession + 1, msg::ORIGIN_LIVE, msg::OPERATOR_RESET);
+  Say(kSession + 1, msg::Origin::kReplay, msg::OperatorAction::kEstop);
+  Say(kSession, msg::Origin::kReplay, msg::OperatorAction::kReset);
+  Say(kSession + 1, msg::Origin::kLive, msg::OperatorAction::kReset);
   ASSERT_TRUE(TakeUntil([&] { return requests_.refused() == 2; }));
   EXPECT_FALSE(requests_.MayHold(types::RobotState::kArmed));
-  Say(kSession, msg::ORIGIN_LIVE, msg::OPERATOR_RESET);
+  Say(kSession, msg::Origin::kLive, msg::OperatorAction::kReset);
   EXPECT_TRUE(TakeUntil([&] { return requests_.MayHold(types::RobotState::kArmed); }));
 }
 

@@ -16,7 +16,7 @@ constexpr std::uint64_t kSession = 42;
 constexpr std::chrono::nanoseconds kPeriod{4166667};  // 240 Hz: 60 ms are 14.4 periods
 
 types::MessageHeader Head(std::uint64_t tick, types::Origin origin = types::Origin::kSim) {
-  return {kSession, tick, origin};
+  return {.session_id = kSession, .tick = tick, .origin = origin};
 }
 
 CommandGuard Armed(GuardConfig config = {}) {
@@ -43,7 +43,8 @@ TEST(Guard, PassesAFreshCommandOfItsOwnSession) {
 
 TEST(Guard, RefusesOtherSessionsTheFutureRepeatsAndOldCommands) {
   CommandGuard guard = Armed();
-  EXPECT_FALSE(guard.Offer({kSession + 1, 1, types::Origin::kSim}, 1));
+  EXPECT_FALSE(
+      guard.Offer({.session_id = kSession + 1, .tick = 1, .origin = types::Origin::kSim}, 1));
   EXPECT_FALSE(guard.Offer(Head(2), 1));
   EXPECT_TRUE(guard.Offer(Head(1), 1));
   EXPECT_FALSE(guard.Offer(Head(1), 1));

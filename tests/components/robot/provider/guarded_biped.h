@@ -142,7 +142,7 @@ class GuardedBiped {
 
   JointSetpoints CommandFor(const Now& now) const {
     JointSetpoints command;
-    command.header = {.session_id = kBipedSession, .tick = tick_};
+    command.header = {.session_id = kBipedSession, .tick = tick_, .origin = types::Origin::kSim};
     command.joint_count = types::kMaxJoints;
     command.mode.fill(now.mode);
     command.motor_torque_Nm.fill(0.01);

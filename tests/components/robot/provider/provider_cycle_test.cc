@@ -40,7 +40,7 @@ ProviderCycle ArmedCycle(GuardConfig guard = {}) {
 
 JointSetpoints Torques(std::uint64_t tick, double first_Nm, double second_Nm) {
   JointSetpoints command;
-  command.header = {.session_id = kCycleSession, .tick = tick};
+  command.header = {.session_id = kCycleSession, .tick = tick, .origin = Origin::kSim};
   command.joint_count = kCycleJoints;
   command.mode = {ControlMode::kTorque, ControlMode::kTorque};
   command.motor_torque_Nm = {first_Nm, second_Nm};
@@ -49,7 +49,7 @@ JointSetpoints Torques(std::uint64_t tick, double first_Nm, double second_Nm) {
 
 ValveCommand Valves(std::uint64_t tick, int joint_count = kCycleJoints) {
   ValveCommand command;
-  command.header = {.session_id = kCycleSession, .tick = tick};
+  command.header = {.session_id = kCycleSession, .tick = tick, .origin = Origin::kSim};
   command.joint_count = joint_count;
   command.valve_open = {true, true};
   command.compressor_on = {false, true};

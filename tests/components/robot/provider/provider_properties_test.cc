@@ -77,7 +77,7 @@ class Sequence {
 
  private:
   struct Said {
-    types::MessageHeader header;
+    types::MessageHeader header{.origin = Origin::kSim};
     int joint_count = 0;
     bool finite = true;
     bool while_armed = false;

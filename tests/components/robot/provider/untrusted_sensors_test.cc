@@ -20,7 +20,7 @@ ProviderCycle OverdueSoon(Bridging bridging) {
   ProviderCycle cycle(config);
   cycle.ArmAtStart();
   JointSetpoints command;
-  command.header = {.session_id = kSensorsSession, .tick = 0};
+  command.header = {.session_id = kSensorsSession, .tick = 0, .origin = types::Origin::kSim};
   command.joint_count = 1;
   command.mode[0] = types::ControlMode::kTorque;
   EXPECT_TRUE(cycle.Take(command, 0));

@@ -31,9 +31,9 @@ Heard HeardOf(std::uint64_t session_id, msg::Origin origin, types::Origin runnin
   node::TickLoop loop(node, stop);
   OperatorStarts starts(node);
   msg::OperatorCommand command;
-  command.header().session_id(session_id);
-  command.header().origin(origin);
-  command.action(msg::OPERATOR_START);
+  command.header.session_id = session_id;
+  command.header.origin = origin;
+  command.action = msg::OperatorAction::kStart;
   bool sent = false;
   Heard heard;
   const auto end = std::chrono::steady_clock::now() + 10s;
@@ -51,15 +51,15 @@ Heard HeardOf(std::uint64_t session_id, msg::Origin origin, types::Origin runnin
 }
 
 TEST(OperatorStarts, OfTheLiveSessionStartTheReference) {
-  EXPECT_TRUE(HeardOf(9, msg::ORIGIN_LIVE, types::Origin::kLive).start);
-  EXPECT_TRUE(HeardOf(9, msg::ORIGIN_REPLAY, types::Origin::kSim).start) << "a simulation";
+  EXPECT_TRUE(HeardOf(9, msg::Origin::kLive, types::Origin::kLive).start);
+  EXPECT_TRUE(HeardOf(9, msg::Origin::kReplay, types::Origin::kSim).start) << "a simulation";
 }
 
 TEST(OperatorStarts, OfAnotherSessionOrARecordingAreRefusedOnALiveRobot) {
-  EXPECT_EQ(HeardOf(9, msg::ORIGIN_REPLAY, types::Origin::kLive).refused, 1u);
-  EXPECT_EQ(HeardOf(9, msg::ORIGIN_SIM, types::Origin::kLive).refused, 1u);
-  EXPECT_EQ(HeardOf(8, msg::ORIGIN_LIVE, types::Origin::kLive).refused, 1u);
-  EXPECT_EQ(HeardOf(8, msg::ORIGIN_SIM, types::Origin::kSim).refused, 1u);
+  EXPECT_EQ(HeardOf(9, msg::Origin::kReplay, types::Origin::kLive).refused, 1u);
+  EXPECT_EQ(HeardOf(9, msg::Origin::kSim, types::Origin::kLive).refused, 1u);
+  EXPECT_EQ(HeardOf(8, msg::Origin::kLive, types::Origin::kLive).refused, 1u);
+  EXPECT_EQ(HeardOf(8, msg::Origin::kSim, types::Origin::kSim).refused, 1u);
 }
 
 }  // namespace

@@ -61,6 +61,21 @@ TEST(StandbyReference, CarriesTheOwnersLateReferenceOnToThePresentTick) {
   EXPECT_EQ(now.joint[0].acceleration_rad_s2, -2.0);
 }
 
+// The owner has ended while this one was stopped.
+TEST(StandbyReference, AsksForNothingWhereTheOwnersPointsAreOld) {
+  StandbyRig rig;
+  rig.standby.Follow(10, StandbyRig::Asking({0.3, 1.2, -2.0}));
+  EXPECT_FALSE(rig.standby.Step(rig.At(58), true).idle) << "0.2 s";
+  EXPECT_TRUE(rig.standby.Step(rig.At(400), true).idle);
+  for (std::uint64_t tick = 401; tick < 401 + 4 * 240; ++tick) {
+    EXPECT_TRUE(rig.standby.Step(rig.At(tick), false).idle) << tick;
+  }
+  RobotReferenceInput disarmed = rig.At(1400);
+  disarmed.may_move = false;
+  (void)rig.standby.Step(disarmed, false);
+  EXPECT_FALSE(rig.standby.Step(rig.At(1401 + 240), false).idle) << "armed anew";
+}
+
 TEST(StandbyReference, GoesOnWithoutAStepFromWhatMovesAndReachesItsOwnTrajectory) {
   for (const double velocity_rad_s : {1.25, -1.25, 0.02}) {
     StandbyRig rig;

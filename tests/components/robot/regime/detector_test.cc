@@ -41,10 +41,10 @@ struct Rig {
   std::normal_distribution<double> noise{0.0, 1.5e-4};
 
   void Step(const DetectorOutput& out, double velocity_rad_s) {
-    if (out.request != Request::kNone) {
+    if (out.request != types::Motion::kNone) {
       pressure_bar += std::clamp(out.request_pressure_bar - pressure_bar, -0.02, 0.02);
     }
-    if (out.request == Request::kPush) {
+    if (out.request == types::Motion::kPushAgainstChamber) {
       const double step = velocity_rad_s * kPeriod_s;
       motor_rad += std::clamp(out.request_target_rad - motor_rad, -step, step);
     }
@@ -75,7 +75,7 @@ TEST(RegimeDetector, IsUnknownWithoutSetupAndAsksForNothingWhileDisarmed) {
     const DetectorOutput out = detector.Step(rig.Read(false));
     EXPECT_EQ(out.regime, types::Regime::kUnknown);
     EXPECT_EQ(out.phase, Phase::kWaiting);
-    EXPECT_EQ(out.request, Request::kNone);
+    EXPECT_EQ(out.request, types::Motion::kNone);
     EXPECT_EQ(out.confidence, 0.0);
   }
 }
@@ -103,7 +103,7 @@ TEST(RegimeDetector, ActiveSetupFindsTheContactWhereverTheLinkStands) {
       EXPECT_EQ(out.regime, types::Regime::kPea);
       EXPECT_EQ(out.contact, direction > 0 ? Contact::kLower : Contact::kUpper);
       EXPECT_EQ(out.phase, Phase::kExecution);
-      EXPECT_EQ(out.request, Request::kNone);
+      EXPECT_EQ(out.request, types::Motion::kNone);
       EXPECT_GT(out.confidence, 0.5);
     }
   }
@@ -128,11 +128,11 @@ TEST(RegimeDetector, WithoutPressureItGivesUpAndSaysWhy) {
   DetectorOutput out;
   for (int k = 0; k < 25 * 240; ++k) {
     out = detector.Step(rig.Read(true));  // nobody fills the chamber
-    EXPECT_NE(out.request, Request::kPush);
+    EXPECT_NE(out.request, types::Motion::kPushAgainstChamber);
   }
   EXPECT_EQ(out.trouble, Trouble::kNoPressure);
   EXPECT_EQ(out.regime, types::Regime::kUnknown);
-  EXPECT_EQ(out.request, Request::kNone) << "not again by itself";
+  EXPECT_EQ(out.request, types::Motion::kNone) << "not again by itself";
   static_cast<void>(detector.Step(rig.Read(false)));
   EXPECT_EQ(detector.Step(rig.Read(true)).phase, Phase::kSetup) << "but when armed again";
 }
@@ -247,7 +247,7 @@ TEST(RegimeDetector, AStandbyTakesTheContactThatTheOwnerFound) {
   standby.Adopt(input.session_id, offset_rad);
   const DetectorOutput out = standby.Step(rig.Read(true));
   EXPECT_EQ(out.phase, Phase::kExecution);
-  EXPECT_EQ(out.request, Request::kNone) << "there is nothing left to find";
+  EXPECT_EQ(out.request, types::Motion::kNone) << "there is nothing left to find";
   EXPECT_EQ(standby.offset_rad(), offset_rad);
   EXPECT_GT(standby.offset_error_rad(), 0.0);
   standby.Adopt(input.session_id, offset_rad + 0.01);

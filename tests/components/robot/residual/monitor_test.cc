@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kPeriod_s = 1.0 / 240.0;
 
-actuator::JointModel SomeModel(types::JointKind kind = types::JointKind::kRotary) {
+actuator::JointModel SomeModel(types::JointKind kind = types::JointKind::kRevolute) {
   actuator::JointModel model;
   model.name = "joint";
   model.kind = kind;
@@ -28,7 +28,7 @@ actuator::JointModel SomeModel(types::JointKind kind = types::JointKind::kRotary
   add("inertia", 0.13);
   add("viscous", 0.31);
   add("coulomb", 0.22);
-  if (kind == types::JointKind::kRotary) add("gravity", 0.58);
+  if (kind == types::JointKind::kRevolute) add("gravity", 0.58);
   return model;
 }
 
@@ -126,7 +126,7 @@ TEST(Monitor, LostSamplesAreSaidAndLeaveNoTrace) {
 }
 
 TEST(Monitor, ALinearAxisReportsAMass) {
-  actuator::JointModel model = SomeModel(types::JointKind::kLinear);
+  actuator::JointModel model = SomeModel(types::JointKind::kPrismatic);
   model.terms.erase(model.terms.begin() + 1);
   model.terms.push_back(actuator::MakeTerm("rotor_inertia", model.constants));
   model.terms.back().linear[0].value = 0.13;

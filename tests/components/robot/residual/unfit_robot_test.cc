@@ -28,16 +28,16 @@ class UnfitRobot : public ::testing::Test {
   }
   void Step(std::uint8_t joints, std::uint32_t measured_flags, double period_s = 1.0 / 240.0) {
     msg::JointState state;
-    state.header().session_id(7);
-    state.header().tick(++tick_);
-    state.period_s(period_s);
-    state.joint_count(joints);
-    state.valid().fill(true);
+    state.header.session_id = 7;
+    state.header.tick = ++tick_;
+    state.period_s = period_s;
+    state.joint_count = joints;
+    state.valid.fill(true);
     msg::ActuatorState actuator;
-    actuator.header(state.header());
-    actuator.joint_count(joints);
-    actuator.valid().fill(true);
-    actuator.measured_flags(measured_flags);
+    actuator.header = state.header;
+    actuator.joint_count = joints;
+    actuator.valid.fill(true);
+    actuator.measured_flags = measured_flags;
     ASSERT_EQ(actuators_.Write(actuator), node::WriteStatus::kOk);
     ASSERT_EQ(states_.Write(state), node::WriteStatus::kOk);
     ASSERT_TRUE(residual_->Ready());
@@ -46,7 +46,7 @@ class UnfitRobot : public ::testing::Test {
   msg::ResidualMonitorState StateOfTheFirstJoint() {
     const auto message = outputs_.TakeLatest();
     EXPECT_TRUE(message.has_value());
-    return message ? message->state()[0] : msg::RESIDUAL_ALARM;
+    return message ? message->state[0] : msg::ResidualMonitorState::kAlarm;
   }
 
   node::Composition composition_{node::Composition::Reach::kApart};
@@ -61,13 +61,14 @@ class UnfitRobot : public ::testing::Test {
 
 TEST_F(UnfitRobot, DoesNotEndTheParticipant) {
   Step(0, kAllSignals);
-  EXPECT_EQ(StateOfTheFirstJoint(), msg::RESIDUAL_LOST);
+  EXPECT_EQ(StateOfTheFirstJoint(), msg::ResidualMonitorState::kLost);
   Step(1, 0);
-  EXPECT_EQ(StateOfTheFirstJoint(), msg::RESIDUAL_LOST);
+  EXPECT_EQ(StateOfTheFirstJoint(), msg::ResidualMonitorState::kLost);
   Step(1, kAllSignals, 1e-300);  // no window has so many samples
-  EXPECT_EQ(StateOfTheFirstJoint(), msg::RESIDUAL_LOST);
+  EXPECT_EQ(StateOfTheFirstJoint(), msg::ResidualMonitorState::kLost);
   for (int n = 0; n < 50; ++n) Step(1, kAllSignals);
-  EXPECT_EQ(StateOfTheFirstJoint(), msg::RESIDUAL_NOT_EXCITED);  // at rest, and monitored
+  EXPECT_EQ(StateOfTheFirstJoint(),
+            msg::ResidualMonitorState::kNotExcited);  // at rest, and monitored
 }
 
 }  // namespace

@@ -16,13 +16,13 @@ namespace {
 
 msg::JointCommand SomeCommand() {
   msg::JointCommand command;
-  command.header().session_id(0x1122334455667788ull);
-  command.header().tick(0x0102030405060708ull);
-  command.header().stamp_ns(-5);
-  command.header().origin(msg::ORIGIN_LIVE);
-  command.joint_count(2);
-  command.motor_torque_Nm()[1] = -0.25;
-  command.mode()[1] = msg::COMMAND_TORQUE;
+  command.header.session_id = 0x1122334455667788ull;
+  command.header.tick = 0x0102030405060708ull;
+  command.header.stamp_ns = -5;
+  command.header.origin = msg::Origin::kLive;
+  command.joint_count = 2;
+  command.motor_torque_Nm[1] = -0.25;
+  command.mode[1] = msg::CommandMode::kTorque;
   return command;
 }
 
@@ -56,10 +56,11 @@ TEST(Codec, PeeksSessionAndTickAndChangesTheOrigin) {
   ASSERT_TRUE(PeekHead(bytes.data(), bytes.size(), &head));
   EXPECT_EQ(head.session_id, 0x1122334455667788ull);
   EXPECT_EQ(head.tick, 0x0102030405060708ull);
-  ASSERT_TRUE(PokeOrigin(bytes.data(), bytes.size(), msg::ORIGIN_REPLAY));
+  ASSERT_TRUE(
+      PokeOrigin(bytes.data(), bytes.size(), static_cast<std::uint32_t>(msg::Origin::kReplay)));
   msg::JointCommand back, expected = SomeCommand();
   ASSERT_TRUE(Decode(bytes, &back));
-  expected.header().origin(msg::ORIGIN_REPLAY);
+  expected.header.origin = msg::Origin::kReplay;
   EXPECT_EQ(back, expected);
 }
 
@@ -89,12 +90,12 @@ TEST(Codec, SurvivesRandomBytes) {
 
 TEST(Codec, HashesTheKeyOfComponentStatusOnly) {
   msg::ComponentStatus a, b;
-  a.name("control");
-  b.name("control");
-  b.cycles(7);
+  a.name = "control";
+  b.name = "control";
+  b.cycles = 7;
   Bytes bytes_a, bytes_b, bytes_c;
   ASSERT_TRUE(Encode(a, &bytes_a) && Encode(b, &bytes_b));
-  a.name("control_2");
+  a.name = "control_2";
   ASSERT_TRUE(Encode(a, &bytes_c));
   std::uint8_t hash_a[16], hash_b[16], hash_c[16];
   ASSERT_TRUE(KeyHash("sinew::msg::ComponentStatus", bytes_a, hash_a));
@@ -114,13 +115,13 @@ TEST(Codec, RefusesEnumeratorsWithoutANameAndCountsBeyondTheirArrays) {
     msg::JointCommand back;
     return Decode(bytes, &back);
   };
-  EXPECT_TRUE(survives([](msg::JointCommand& c) { c.joint_count(12); }));
-  EXPECT_FALSE(survives([](msg::JointCommand& c) { c.joint_count(13); }));
-  EXPECT_FALSE(survives([](msg::JointCommand& c) { c.joint_count(255); }));
-  EXPECT_TRUE(survives([](msg::JointCommand& c) { c.mode()[11] = msg::COMMAND_VELOCITY; }));
-  EXPECT_FALSE(survives([](msg::JointCommand& c) { c.mode()[11] = msg::CommandMode(4); }));
-  EXPECT_FALSE(survives([](msg::JointCommand& c) { c.header().origin(msg::Origin(3)); }));
-  EXPECT_FALSE(survives([](msg::JointCommand& c) { c.header().origin(msg::Origin(0x80000000u)); }));
+  EXPECT_TRUE(survives([](msg::JointCommand& c) { c.joint_count = 12; }));
+  EXPECT_FALSE(survives([](msg::JointCommand& c) { c.joint_count = 13; }));
+  EXPECT_FALSE(survives([](msg::JointCommand& c) { c.joint_count = 255; }));
+  EXPECT_TRUE(survives([](msg::JointCommand& c) { c.mode[11] = msg::CommandMode::kVelocity; }));
+  EXPECT_FALSE(survives([](msg::JointCommand& c) { c.mode[11] = msg::CommandMode(4); }));
+  EXPECT_FALSE(survives([](msg::JointCommand& c) { c.header.origin = msg::Origin(3); }));
+  EXPECT_FALSE(survives([](msg::JointCommand& c) { c.header.origin = msg::Origin(0x80000000u); }));
 }
 
 TEST(Codec, WhatAMutatedPayloadDecodesToHasAMeaning) {
@@ -141,9 +142,9 @@ TEST(Codec, WhatAMutatedPayloadDecodesToHasAMeaning) {
       continue;
     }
     ++accepted;
-    ASSERT_LE(back.joint_count(), 12);
-    ASSERT_LE(back.header().origin(), msg::ORIGIN_REPLAY);
-    for (const msg::CommandMode mode : back.mode()) ASSERT_LE(mode, msg::COMMAND_VELOCITY);
+    ASSERT_LE(back.joint_count, 12);
+    ASSERT_LE(back.header.origin, msg::Origin::kReplay);
+    for (const msg::CommandMode mode : back.mode) ASSERT_LE(mode, msg::CommandMode::kVelocity);
   }
   EXPECT_GT(accepted, 1000);
   EXPECT_GT(refused, 1000);

@@ -23,10 +23,10 @@ class CompositionApart : public ::testing::Test {
   }
   static Bytes StateOf(std::uint64_t tick) {
     msg::JointState state;
-    state.header().session_id(7);
-    state.header().tick(tick);
-    state.header().origin(msg::ORIGIN_SIM);
-    state.period_s(1.0 / 240.0);
+    state.header.session_id = 7;
+    state.header.tick = tick;
+    state.header.origin = msg::Origin::kSim;
+    state.period_s = 1.0 / 240.0;
     Bytes bytes;
     EXPECT_TRUE(Encode(state, &bytes));
     return bytes;
@@ -49,7 +49,7 @@ TEST_F(CompositionApart, AWellFormedTriggerIsACycle) {
   const auto tick = loop.Next();
   ASSERT_TRUE(tick.has_value());
   EXPECT_EQ(tick->tick, 3u);
-  EXPECT_EQ(state.value().header().session_id(), 7u);
+  EXPECT_EQ(state.value().header.session_id, 7u);
   EXPECT_FALSE(loop.Ready());
 }
 
@@ -75,11 +75,11 @@ TEST_F(CompositionApart, CarriesEventsAndPayloadsForRecorders) {
                 [&](RawSample&& sample) { recorded.push_back(std::move(sample.payload)); });
   auto writer = outside_.MakeWriter(kOperatorCommand);
   msg::OperatorCommand command;
-  command.action(msg::OPERATOR_ARM);
+  command.action = msg::OperatorAction::kArm;
   ASSERT_EQ(writer.Write(command), WriteStatus::kOk);
   const auto heard = reader.TakeNext();
   ASSERT_TRUE(heard.has_value());
-  EXPECT_EQ(heard->action(), msg::OPERATOR_ARM);
+  EXPECT_EQ(heard->action, msg::OperatorAction::kArm);
   EXPECT_EQ(recorded.size(), 1u);
   const auto name = node_.NameOf(reader.writer());
   ASSERT_TRUE(name.has_value());

@@ -112,11 +112,11 @@ class HostileDatagrams : public ::testing::Test {
   bool StillTalk() {
     const auto end = std::chrono::steady_clock::now() + 10s;
     msg::JointCommand command;
-    command.header().tick(++tick_);
+    command.header.tick = ++tick_;
     while (std::chrono::steady_clock::now() < end) {
       if (writer_.Write(command) == WriteStatus::kFailed) return false;
       while (const auto heard = reader_.WaitNext(20ms)) {
-        if (heard->header().tick() == tick_) return true;
+        if (heard->header.tick == tick_) return true;
       }
     }
     return false;

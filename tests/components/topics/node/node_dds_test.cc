@@ -51,12 +51,12 @@ bool WaitUntil(Node& node, Condition condition, std::chrono::milliseconds timeou
 
 msg::JointState StateOfTick(std::uint64_t tick, bool last = false) {
   msg::JointState state;
-  state.header().session_id(9);
-  state.header().tick(tick);
-  state.period_s(0.001);
-  state.last_tick(last);
-  state.joint_count(1);
-  state.position_rad()[0] = 0.5 * static_cast<double>(tick);
+  state.header.session_id = 9;
+  state.header.tick = tick;
+  state.period_s = 0.001;
+  state.last_tick = last;
+  state.joint_count = 1;
+  state.position_rad[0] = 0.5 * static_cast<double>(tick);
   return state;
 }
 
@@ -84,7 +84,7 @@ TEST(NodeDds, AReaderThatDoesNotReadKeepsTheNewestAndCountsWhatItDropped) {
   constexpr std::uint64_t kSent = 300, kKept = 256;
   for (std::uint64_t tick = 0; tick < kSent; ++tick) {
     msg::OperatorCommand command;
-    command.header().tick(tick);
+    command.header.tick = tick;
     ASSERT_EQ(writer.Write(command), WriteStatus::kOk);
     ASSERT_TRUE(WaitUntil(b, [&] { return reader.received() == tick + 1; }));
   }
@@ -92,7 +92,7 @@ TEST(NodeDds, AReaderThatDoesNotReadKeepsTheNewestAndCountsWhatItDropped) {
   for (std::uint64_t tick = kSent - kKept; tick < kSent; ++tick) {
     const auto command = reader.TakeNext();
     ASSERT_TRUE(command.has_value());
-    EXPECT_EQ(command->header().tick(), tick);
+    EXPECT_EQ(command->header.tick, tick);
   }
   EXPECT_FALSE(reader.TakeNext().has_value());
 }
@@ -159,9 +159,9 @@ TEST(NodeDds, LoopTakesTicksOneByOneAndWaitsForEveryInput) {
     }
     for (std::uint64_t tick = 0; tick < kTicks; ++tick) {  // all answers come after all triggers
       msg::Reference message;
-      message.header().session_id(9);
-      message.header().tick(tick);
-      message.position_rad()[0] = 2.0 * static_cast<double>(tick);
+      message.header.session_id = 9;
+      message.header.tick = tick;
+      message.position_rad[0] = 2.0 * static_cast<double>(tick);
       EXPECT_EQ(reference.Write(message), WriteStatus::kOk);
     }
   });
@@ -174,9 +174,9 @@ TEST(NodeDds, LoopTakesTicksOneByOneAndWaitsForEveryInput) {
   while (const auto tick = loop.Next()) {
     ASSERT_EQ(tick->tick, expected);
     EXPECT_FALSE(tick->any_stale);
-    EXPECT_EQ(trigger.value().position_rad()[0], 0.5 * static_cast<double>(expected));
+    EXPECT_EQ(trigger.value().position_rad[0], 0.5 * static_cast<double>(expected));
     ASSERT_TRUE(input.fresh());
-    EXPECT_EQ(input.value().position_rad()[0], 2.0 * static_cast<double>(expected));
+    EXPECT_EQ(input.value().position_rad[0], 2.0 * static_cast<double>(expected));
     EXPECT_EQ(delayed.has_value(), expected >= 2);
     if (expected >= 2) {
       EXPECT_EQ(delayed.tick(), expected - 2);
@@ -214,7 +214,7 @@ TEST(NodeDds, LoopFlagsAnInputThatNeverComesAsStaleInRealTime) {
 // A joint_state whose joint_count no array has.
 Bytes MalformedState(std::uint64_t tick) {
   msg::JointState state = StateOfTick(tick);
-  state.joint_count(200);
+  state.joint_count = 200;
   Bytes bytes;
   EXPECT_TRUE(Encode(state, &bytes));
   return bytes;
@@ -234,7 +234,7 @@ TEST(NodeDds, MalformedSamplesAreCountedAndNeverHandedOn) {
   send(good);
   const auto state = reader.WaitNext(10s);
   ASSERT_TRUE(state.has_value());
-  EXPECT_EQ(state->header().tick(), 3u);
+  EXPECT_EQ(state->header.tick, 3u);
   EXPECT_EQ(reader.malformed(), 2u);
 }
 
@@ -251,10 +251,10 @@ TEST(NodeDds, AMalformedTriggerMakesNoCycleAndAMalformedInputLeavesTheLastValue)
   };
   const auto send_reference = [&](std::uint64_t tick) {
     msg::Reference message;
-    message.header().session_id(9);
-    message.header().tick(tick);
-    message.position_rad()[0] = 7.0 + static_cast<double>(tick);
-    if (tick == 2) message.joint_count(13);
+    message.header.session_id = 9;
+    message.header.tick = tick;
+    message.position_rad[0] = 7.0 + static_cast<double>(tick);
+    if (tick == 2) message.joint_count = 13;
     Bytes bytes;
     ASSERT_TRUE(Encode(message, &bytes));
     constexpr std::size_t kCut = 10;  // shorter than session and tick
@@ -275,13 +275,13 @@ TEST(NodeDds, AMalformedTriggerMakesNoCycleAndAMalformedInputLeavesTheLastValue)
   const auto first = loop.Next();
   ASSERT_TRUE(first.has_value());
   EXPECT_EQ(first->tick, 0u);
-  EXPECT_EQ(input.value().position_rad()[0], 7.0);
+  EXPECT_EQ(input.value().position_rad[0], 7.0);
   const auto next = loop.Next();
   ASSERT_TRUE(next.has_value());
   EXPECT_EQ(next->tick, 2u) << "the malformed state of tick 1 made no cycle";
   EXPECT_EQ(trigger.malformed(), 1u);
   EXPECT_TRUE(next->any_stale);
-  EXPECT_EQ(input.value().position_rad()[0], 8.0) << "of tick 1, the last that could be read";
+  EXPECT_EQ(input.value().position_rad[0], 8.0) << "of tick 1, the last that could be read";
   EXPECT_EQ(input.malformed(), 2u) << "a count beyond its array, and ten bytes";
 }
 
@@ -294,7 +294,7 @@ TEST(NodeDds, AStateWhosePeriodIsNoneMakesNoCycle) {
   std::uint64_t tick = 0;
   const auto send = [&](double period_s) {
     msg::JointState state = StateOfTick(tick, false);
-    state.period_s(period_s);
+    state.period_s = period_s;
     Bytes bytes;
     ASSERT_TRUE(Encode(state, &bytes));
     EXPECT_EQ(write(bytes.data(), bytes.size()), WriteStatus::kOk);
@@ -318,7 +318,7 @@ struct Origins {
 };
 
 struct Cycles {
-  std::vector<int> origins;            // of what is computed
+  std::vector<msg::Origin> origins;    // of what is computed
   std::vector<bool> reference_is_new;  // false: it was refused
 };
 
@@ -340,15 +340,15 @@ Cycles CyclesOf(const Origins& given) {
     while (!done) {
       const std::uint64_t k = now;
       msg::JointState message = StateOfTick(k);
-      message.period_s(1.0);  // a reference that never comes is awaited for half a second
-      message.header().origin(given.state);
+      message.period_s = 1.0;  // a reference that never comes is awaited for half a second
+      message.header.origin = given.state;
       msg::Reference wanted;
-      wanted.header(message.header());
-      wanted.header().session_id(k == 1 ? given.reference_session : 9);
-      wanted.header().origin(k == 1 ? given.reference : given.state);
+      wanted.header = message.header;
+      wanted.header.session_id = k == 1 ? given.reference_session : 9;
+      wanted.header.origin = k == 1 ? given.reference : given.state;
       msg::RegimeState found;
-      found.header(message.header());
-      found.header().origin(k == 1 ? given.regime : given.state);
+      found.header = message.header;
+      found.header.origin = k == 1 ? given.regime : given.state;
       EXPECT_EQ(reference.Write(wanted), WriteStatus::kOk);
       EXPECT_EQ(regime.Write(found), WriteStatus::kOk);
       EXPECT_EQ(state.Write(message), WriteStatus::kOk);
@@ -370,25 +370,24 @@ Cycles CyclesOf(const Origins& given) {
 
 TEST(NodeDds, WhatIsComputedFromARecordingSaysSo) {
   using enum msg::Origin;
-  const Cycles live = CyclesOf({ORIGIN_LIVE, ORIGIN_REPLAY, ORIGIN_LIVE});
-  EXPECT_THAT(live.origins, ElementsAre(ORIGIN_LIVE, ORIGIN_REPLAY, ORIGIN_LIVE));
-  const Cycles simulated = CyclesOf({ORIGIN_SIM, ORIGIN_SIM, ORIGIN_REPLAY});
-  EXPECT_THAT(simulated.origins, ElementsAre(ORIGIN_SIM, ORIGIN_REPLAY, ORIGIN_SIM));
+  const Cycles live = CyclesOf({kLive, kReplay, kLive});
+  EXPECT_THAT(live.origins, ElementsAre(kLive, kReplay, kLive));
+  const Cycles simulated = CyclesOf({kSim, kSim, kReplay});
+  EXPECT_THAT(simulated.origins, ElementsAre(kSim, kReplay, kSim));
   EXPECT_THAT(simulated.reference_is_new, ElementsAre(true, true, true));
 }
 
 TEST(NodeDds, OnLiveHardwareAReplayedRequestIsAsIfItHadNeverCome) {
   using enum msg::Origin;
-  const Cycles cycles = CyclesOf({ORIGIN_LIVE, ORIGIN_LIVE, ORIGIN_REPLAY});
+  const Cycles cycles = CyclesOf({kLive, kLive, kReplay});
   EXPECT_THAT(cycles.reference_is_new, ElementsAre(true, false, true));
-  EXPECT_THAT(cycles.origins, ElementsAre(ORIGIN_LIVE, ORIGIN_LIVE, ORIGIN_LIVE))
+  EXPECT_THAT(cycles.origins, ElementsAre(kLive, kLive, kLive))
       << "what is refused does not make the outputs replayed";
 }
 
 TEST(NodeDds, ARequestOfAnotherSessionIsAsIfItHadNeverCome) {
   using enum msg::Origin;
-  EXPECT_THAT(CyclesOf({ORIGIN_SIM, ORIGIN_SIM, ORIGIN_SIM, 8}).reference_is_new,
-              ElementsAre(true, false, true));
+  EXPECT_THAT(CyclesOf({kSim, kSim, kSim, 8}).reference_is_new, ElementsAre(true, false, true));
 }
 
 // Two state providers that discovery did not show each other: nobody goes to and fro between them.
@@ -404,8 +403,8 @@ TEST(NodeDds, ALoopStaysWithTheWriterOfItsSessionWhileThatIsHeard) {
     auto a = first.MakeWriter(kJointState), b = second.MakeWriter(kJointState);
     const auto send = [](Writer<msg::JointState>& to, std::uint64_t session, std::uint64_t tick) {
       msg::JointState state = StateOfTick(tick);
-      state.header().session_id(session);
-      state.period_s(0.002);
+      state.header.session_id = session;
+      state.period_s = 0.002;
       EXPECT_NE(to.Write(state), WriteStatus::kFailed);
     };
     for (std::uint64_t tick = 1; !done; ++tick) {
@@ -447,11 +446,11 @@ TEST(NodeDds, LoopIsTriggeredByAnyMessageWithAHeader) {
   auto output = node.MakeWriter(kResidual);
   for (std::uint64_t tick = 5; tick < 8; ++tick) {
     msg::Reference message;
-    message.header().session_id(3);
-    message.header().tick(tick);
-    message.header().stamp_ns(4'000'000 * static_cast<std::int64_t>(tick));
-    message.header().origin(msg::ORIGIN_REPLAY);
-    message.position_rad()[0] = 0.5 * static_cast<double>(tick);
+    message.header.session_id = 3;
+    message.header.tick = tick;
+    message.header.stamp_ns = 4'000'000 * static_cast<std::int64_t>(tick);
+    message.header.origin = msg::Origin::kReplay;
+    message.position_rad[0] = 0.5 * static_cast<double>(tick);
     ASSERT_EQ(writer.Write(message), WriteStatus::kOk);
   }
   for (std::uint64_t expected = 5; expected < 8; ++expected) {
@@ -460,16 +459,16 @@ TEST(NodeDds, LoopIsTriggeredByAnyMessageWithAHeader) {
     EXPECT_EQ(tick->session_id, 3u);
     EXPECT_EQ(tick->tick, expected);
     EXPECT_EQ(tick->stamp_ns, 4'000'000 * static_cast<std::int64_t>(expected));
-    EXPECT_EQ(tick->origin, msg::ORIGIN_REPLAY);
+    EXPECT_EQ(tick->origin, msg::Origin::kReplay);
     EXPECT_EQ(tick->period_s, 0.004);
     EXPECT_FALSE(tick->last);
-    EXPECT_EQ(trigger.value().position_rad()[0], 0.5 * static_cast<double>(expected));
+    EXPECT_EQ(trigger.value().position_rad[0], 0.5 * static_cast<double>(expected));
     loop.Publish(output, msg::ResidualState(), *tick);
     const auto answer = answers.WaitNext(10s);
     ASSERT_TRUE(answer.has_value());
-    EXPECT_EQ(answer->header().tick(), expected);
-    EXPECT_EQ(answer->header().stamp_ns(), tick->stamp_ns);
-    EXPECT_EQ(answer->header().origin(), msg::ORIGIN_REPLAY);
+    EXPECT_EQ(answer->header.tick, expected);
+    EXPECT_EQ(answer->header.stamp_ns, tick->stamp_ns);
+    EXPECT_EQ(answer->header.origin, msg::Origin::kReplay);
   }
 }
 
@@ -487,9 +486,9 @@ std::vector<double> PeriodsOf(TimeMode mode, msg::Origin origin, int domain) {
   std::thread sender([&] {
     while (taken < std::size(kStamps_ns)) {
       msg::JointState state = StateOfTick(std::min<std::size_t>(taken, std::size(kStamps_ns) - 1));
-      state.header().stamp_ns(1'700'000'000'000'000'000 + kStamps_ns[state.header().tick()]);
-      state.header().origin(origin);
-      state.period_s(0.004);
+      state.header.stamp_ns = 1'700'000'000'000'000'000 + kStamps_ns[state.header.tick];
+      state.header.origin = origin;
+      state.period_s = 0.004;
       EXPECT_EQ(writer.Write(state), WriteStatus::kOk);
       provider.WaitForData(2ms);
     }
@@ -507,14 +506,14 @@ std::vector<double> PeriodsOf(TimeMode mode, msg::Origin origin, int domain) {
 }
 
 TEST(NodeDds, LoopMeasuresThePeriodOfALiveRobotInRealTime) {
-  EXPECT_THAT(PeriodsOf(TimeMode::kRealtime, msg::ORIGIN_LIVE, 133),
+  EXPECT_THAT(PeriodsOf(TimeMode::kRealtime, msg::Origin::kLive, 133),
               ElementsAre(0.004, DoubleEq(0.005), DoubleEq(0.003)));
-  EXPECT_THAT(PeriodsOf(TimeMode::kRealtime, msg::ORIGIN_SIM, 134),
+  EXPECT_THAT(PeriodsOf(TimeMode::kRealtime, msg::Origin::kSim, 134),
               ElementsAre(0.004, 0.004, 0.004));
 }
 
 TEST(NodeDds, LoopHasTheNominalPeriodInLockstep) {
-  EXPECT_THAT(PeriodsOf(TimeMode::kLockstep, msg::ORIGIN_REPLAY, 136),
+  EXPECT_THAT(PeriodsOf(TimeMode::kLockstep, msg::Origin::kReplay, 136),
               ElementsAre(0.004, 0.004, 0.004));
 }
 
@@ -543,14 +542,14 @@ TEST(NodeDds, StatusIsLatchedPerComponent) {
   auto reader = late.MakeReader(kComponentStatus);
   std::map<std::string, msg::ComponentStatus> seen;
   ASSERT_TRUE(WaitUntil(late, [&] {
-    while (const auto status = reader.TakeNext()) seen[status->name().to_string()] = *status;
+    while (const auto status = reader.TakeNext()) seen[status->name] = *status;
     return seen.count("first") && seen.count("second") &&
-           seen["first"].state() == msg::COMPONENT_ACTIVE &&
-           seen["second"].state() == msg::COMPONENT_FAULT;
+           seen["first"].state == msg::ComponentState::kActive &&
+           seen["second"].state == msg::ComponentState::kFault;
   }));
-  EXPECT_EQ(seen["second"].message().to_string(), "sensor lost");
-  EXPECT_EQ(seen["first"].idl_hash().to_string(), AllTopicsHash());
-  EXPECT_GT(seen["first"].resident_MB(), 1.0);
+  EXPECT_EQ(seen["second"].message, "sensor lost");
+  EXPECT_EQ(seen["first"].idl_hash, AllTopicsHash());
+  EXPECT_GT(seen["first"].resident_MB, 1.0);
 }
 
 TEST(NodeDds, AFaultIsHeardByAnObserverThatFindsTheComponentAtItsEnd) {
@@ -562,7 +561,7 @@ TEST(NodeDds, AFaultIsHeardByAnObserverThatFindsTheComponentAtItsEnd) {
   std::string heard;
   EXPECT_TRUE(WaitUntil(late, [&] {
     while (const auto status = reader.TakeNext()) {
-      if (status->name().to_string() == "ends") heard = status->message().to_string();
+      if (status->name == "ends") heard = status->message;
     }
     return !heard.empty();
   }));
@@ -584,7 +583,7 @@ TEST(NodeDds, StatusCountsWhatReadersCouldNotUse) {
   b.SetState(Node::State::kActive, "has read");
   ASSERT_TRUE(WaitUntil(a, [&] {
     while (const auto status = statuses.TakeNext()) {
-      if (status->message().to_string() == "has read") return status->malformed_samples() == 3;
+      if (status->message == "has read") return status->malformed_samples == 3;
     }
     return false;
   }));
@@ -604,8 +603,8 @@ TEST(NodeDds, StatusCountsSamplesThatWereDroppedUnread) {
   b.SetState(Node::State::kActive, "has not read");
   ASSERT_TRUE(WaitUntil(a, [&] {
     while (const auto status = statuses.TakeNext()) {
-      if (status->message().to_string() != "has not read") continue;
-      return status->dropped_samples() == kSent - kKept;
+      if (status->message != "has not read") continue;
+      return status->dropped_samples == kSent - kKept;
     }
     return false;
   }));
@@ -621,7 +620,7 @@ TEST(NodeDds, StatusIsPublishedOnceASecondWhileTheLoopGoesRound) {
     ++counts.cycles;
     a.SetCounts(counts);
     while (const auto status = reader.TakeNext()) {
-      if (status->name().to_string() == "a") cycles.push_back(status->cycles());
+      if (status->name == "a") cycles.push_back(status->cycles);
     }
     return cycles.size() >= 3;
   }));
@@ -631,7 +630,7 @@ TEST(NodeDds, StatusIsPublishedOnceASecondWhileTheLoopGoesRound) {
       b,
       [&] {
         while (const auto status = reader.TakeNext()) {
-          if (status->name().to_string() == "a") cycles.push_back(status->cycles());
+          if (status->name == "a") cycles.push_back(status->cycles);
         }
         return cycles.size() >= 5;  // one may be under way
       },

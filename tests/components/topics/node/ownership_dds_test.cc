@@ -97,13 +97,13 @@ class Provider {
   }
   // The controllers have no loop, so no session: 0.
   void HandOver(const std::string& name, const std::string& role = "control",
-                msg::Origin origin = msg::ORIGIN_LIVE, std::uint64_t session_id = 0) {
+                msg::Origin origin = msg::Origin::kLive, std::uint64_t session_id = 0) {
     msg::OperatorCommand command;
-    command.header().session_id(session_id);
-    command.header().origin(origin);
-    command.action(msg::OPERATOR_HANDOVER);
-    command.role(role);
-    command.target(name);
+    command.header.session_id = session_id;
+    command.header.origin = origin;
+    command.action = msg::OperatorAction::kHandover;
+    command.role = role;
+    command.target = name;
     EXPECT_TRUE(WaitUntil([&] { return operator_.matched_readers() >= 2; }));
     (void)operator_.Write(command);
   }
@@ -152,8 +152,8 @@ TEST(OwnershipDds, TheOperatorHandsOverByRoleNameSessionAndOrigin) {
   TwoControllers rig(154);
   rig.provider.HandOver("second", "esn");
   rig.provider.HandOver("third");
-  rig.provider.HandOver("second", "control", msg::ORIGIN_REPLAY);
-  rig.provider.HandOver("second", "control", msg::ORIGIN_LIVE, 77);
+  rig.provider.HandOver("second", "control", msg::Origin::kReplay);
+  rig.provider.HandOver("second", "control", msg::Origin::kLive, 77);
   rig.provider.HandOver("first");  // it is the owner already
   // What was refused had its time when this one has worked: commands arrive in order.
   EXPECT_EQ(rig.provider.Heard(), "first");
@@ -196,12 +196,12 @@ struct OwnerAndStandby {
   // The owner says a tick; the ticks that the standby follows then.
   std::vector<std::uint64_t> FollowedAfter(std::uint64_t number) {
     msg::JointCommand command;
-    command.header().session_id(9);
-    command.header().tick(number);
+    command.header.session_id = 9;
+    command.header.tick = number;
     (void)writer.Write(command);
     node.WaitForData(5ms);
     std::vector<std::uint64_t> followed;
-    while (const auto heard = other.TakeNext(tick)) followed.push_back(heard->header().tick());
+    while (const auto heard = other.TakeNext(tick)) followed.push_back(heard->header.tick);
     return followed;
   }
   // Until it is followed.
@@ -275,11 +275,11 @@ TEST(OwnershipDds, ALoopThatMissedTicksStandsByWhenItIsBack) {
     std::thread sender([&] {
       for (std::uint64_t sent = number; !taken; sent += goes_on ? 1 : 0) {
         msg::JointState message;
-        message.header().session_id(9);
-        message.header().tick(sent);
-        message.header().stamp_ns(types::EpochNow_ns());
-        message.period_s(0.004);
-        message.joint_count(1);
+        message.header.session_id = 9;
+        message.header.tick = sent;
+        message.header.stamp_ns = types::EpochNow_ns();
+        message.period_s = 0.004;
+        message.joint_count = 1;
         (void)state.Write(message);
         provider.WaitForData(2ms);
       }
@@ -299,10 +299,10 @@ TEST(OwnershipDds, ALoopThatMissedTicksStandsByWhenItIsBack) {
   auto operators = provider.MakeWriter(kOperatorCommand);
   ASSERT_TRUE(wait_until([&] { return operators.matched_readers() == 2; }));
   msg::OperatorCommand handover;
-  handover.header().session_id(9);
-  handover.action(msg::OPERATOR_HANDOVER);
-  handover.role("control");
-  handover.target("first");
+  handover.header.session_id = 9;
+  handover.action = msg::OperatorAction::kHandover;
+  handover.role = "control";
+  handover.target = "first";
   const auto hand_over = [&] {
     ASSERT_EQ(operators.Write(handover), WriteStatus::kOk);
     ASSERT_TRUE(wait_until([&] {

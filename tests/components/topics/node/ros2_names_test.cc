@@ -44,8 +44,8 @@ TEST(Ros2Names, APeerThatKnowsThemAloneHearsTheRobot) {
   Node node(RosOptions("world", 226));
   auto writer = node.MakeWriter(kJointState);
   msg::JointState state;
-  state.joint_count(1);
-  state.position_rad()[0] = 0.625;
+  state.joint_count = 1;
+  state.position_rad[0] = 0.625;
   const auto end = std::chrono::steady_clock::now() + 10s;
   int code = testing::Program::kTimeout;
   while (code == testing::Program::kTimeout && std::chrono::steady_clock::now() < end) {
@@ -61,7 +61,7 @@ TEST(Ros2Names, ProgramsOfSuchABuildHearEachOther) {
   auto writer = a.MakeWriter(kJointState);
   auto reader = b.MakeReader(kJointState);
   msg::JointState state;
-  state.joint_count(1);
+  state.joint_count = 1;
   std::optional<msg::JointState> heard;
   for (const auto end = std::chrono::steady_clock::now() + 10s;
        !heard && std::chrono::steady_clock::now() < end;) {

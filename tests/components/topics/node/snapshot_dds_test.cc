@@ -57,13 +57,13 @@ class Heard {
         wait();
         continue;
       }
-      EXPECT_EQ(message->part(), part);
-      EXPECT_EQ(message->name().to_string(), "keeper");
-      EXPECT_EQ(message->version(), 3u);
-      const auto* begin = reinterpret_cast<const std::byte*>(message->content().data());
-      content.insert(content.end(), begin, begin + message->content().size());
-      if (++part < message->part_count()) continue;
-      *tick = message->header().tick();
+      EXPECT_EQ(message->part, part);
+      EXPECT_EQ(message->name, "keeper");
+      EXPECT_EQ(message->version, 3u);
+      const auto* begin = reinterpret_cast<const std::byte*>(message->content.data());
+      content.insert(content.end(), begin, begin + message->content.size());
+      if (++part < message->part_count) continue;
+      *tick = message->header.tick;
       BigState state;
       types::StateArchive archive(content);
       state.Exchange(archive);
@@ -111,10 +111,10 @@ void TakesTheFirstCycleAndWhatIsAskedFor(int domain, TimeMode mode) {
   EXPECT_TRUE(heard.Nothing());
 
   msg::SnapshotRequest request;
-  request.header().session_id(kSnapshotSession);
-  request.after_tick(5);
+  request.header.session_id = kSnapshotSession;
+  request.after_tick = 5;
   for (const char* name : {"another", "keeper"}) {
-    request.name(name);
+    request.name = name;
     ASSERT_EQ(requests.Write(request), WriteStatus::kOk);
   }
   numbers = heard.Next(&tick, cycle);

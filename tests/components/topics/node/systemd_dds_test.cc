@@ -30,11 +30,11 @@ Options UnderSystemd(const std::string& name, int domain) {
 
 msg::JointState JointsAtTick(std::uint64_t tick, bool last = false) {
   msg::JointState state;
-  state.header().session_id(9);
-  state.header().tick(tick);
-  state.period_s(0.001);
-  state.last_tick(last);
-  state.joint_count(1);
+  state.header.session_id = 9;
+  state.header.tick = tick;
+  state.period_s = 0.001;
+  state.last_tick = last;
+  state.joint_count = 1;
   return state;
 }
 

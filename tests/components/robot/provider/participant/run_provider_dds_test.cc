@@ -139,20 +139,20 @@ TEST(RunProvider, EveryNumberOfTheBusesReachesBusStatus) {
   provider.join();
   ASSERT_TRUE(status);
   const BusReport& report = *plant.bus_report();
-  EXPECT_EQ(status->bus_count(), report.bus_count);
-  EXPECT_EQ(status->up(), report.up);
-  EXPECT_EQ(status->frames_sent(), report.frames_sent);
-  EXPECT_EQ(status->frames_received(), report.frames_received);
-  EXPECT_EQ(status->frames_dropped(), report.frames_dropped);
-  EXPECT_EQ(status->frames_lost(), report.frames_lost);
-  EXPECT_EQ(status->error_frames(), report.error_frames);
-  EXPECT_EQ(status->body_samples_missed(), report.body_samples_missed);
-  EXPECT_EQ(status->body_nodes_lost(), report.body_nodes_lost);
-  EXPECT_EQ(status->load_percent(), report.load_percent);
-  EXPECT_EQ(status->answer_p50_us(), report.answer_p50_us);
-  EXPECT_EQ(status->answer_max_us(), report.answer_max_us);
-  EXPECT_EQ(status->cycle_p50_us(), report.cycle_p50_us);
-  EXPECT_EQ(status->cycle_max_us(), report.cycle_max_us);
+  EXPECT_EQ(status->bus_count, report.bus_count);
+  EXPECT_EQ(status->up, report.up);
+  EXPECT_EQ(status->frames_sent, report.frames_sent);
+  EXPECT_EQ(status->frames_received, report.frames_received);
+  EXPECT_EQ(status->frames_dropped, report.frames_dropped);
+  EXPECT_EQ(status->frames_lost, report.frames_lost);
+  EXPECT_EQ(status->error_frames, report.error_frames);
+  EXPECT_EQ(status->body_samples_missed, report.body_samples_missed);
+  EXPECT_EQ(status->body_nodes_lost, report.body_nodes_lost);
+  EXPECT_EQ(status->load_percent, report.load_percent);
+  EXPECT_EQ(status->answer_p50_us, report.answer_p50_us);
+  EXPECT_EQ(status->answer_max_us, report.answer_max_us);
+  EXPECT_EQ(status->cycle_p50_us, report.cycle_p50_us);
+  EXPECT_EQ(status->cycle_max_us, report.cycle_max_us);
 }
 
 class PushedPlant : public SimulatedPlant {
@@ -217,23 +217,23 @@ TEST(RunProvider, ABodyIsDisturbedInItsSessionAndItsTruthIsPublished) {
   const auto send = [&](std::uint64_t session_id, double payload_kg,
                         const std::string& lost_drive = "knee", double lost_friction = 0.5) {
     msg::SimBodyDisturbance message;
-    message.header().session_id(session_id);
-    message.header().origin(msg::ORIGIN_SIM);
-    message.payload_link(sent.payload_link);
-    message.payload_kg(payload_kg);
-    message.payload_m(sent.payload_m);
-    message.push_link(sent.push_link);
-    message.push_force_N(sent.push_force_N);
-    message.push_m(sent.push_m);
-    message.lost_drive(lost_drive);
-    message.lost_friction(lost_friction);
+    message.header.session_id = session_id;
+    message.header.origin = msg::Origin::kSim;
+    message.payload_link = sent.payload_link;
+    message.payload_kg = payload_kg;
+    message.payload_m = sent.payload_m;
+    message.push_link = sent.push_link;
+    message.push_force_N = sent.push_force_N;
+    message.push_m = sent.push_m;
+    message.lost_drive = lost_drive;
+    message.lost_friction = lost_friction;
     EXPECT_EQ(writer.Write(message), node::WriteStatus::kOk);
   };
   const auto state = states.WaitNext(10s);
   const auto truth = truths.WaitNext(10s);
   for (int i = 0; i < 1000 && writer.matched_readers() == 0; ++i) sender.WaitForData(10ms);
   if (state) {
-    const std::uint64_t session_id = state->header().session_id();
+    const std::uint64_t session_id = state->header.session_id;
     send(session_id + 1, 1.0);
     send(session_id, -1.0);
     send(session_id, std::numeric_limits<double>::quiet_NaN());
@@ -245,14 +245,14 @@ TEST(RunProvider, ABodyIsDisturbedInItsSessionAndItsTruthIsPublished) {
   ASSERT_TRUE(state);
   EXPECT_EQ(plant.disturbances, std::vector<BodyDisturbance>{sent});
   ASSERT_TRUE(truth);
-  EXPECT_EQ(truth->position_m(), (std::array{0.1, 0.2, 0.7}));
-  EXPECT_EQ(truth->orientation_wxyz(), (std::array{1.0, 0.0, 0.0, 0.0}));
+  EXPECT_EQ(truth->position_m, (std::array{0.1, 0.2, 0.7}));
+  EXPECT_EQ(truth->orientation_wxyz, (std::array{1.0, 0.0, 0.0, 0.0}));
   std::array<double, 24> forces_N{};
   for (std::size_t i = 0; i < 3; ++i) {
     forces_N[i] = 1.0 + static_cast<double>(i);
     forces_N[21 + i] = 4.0 + static_cast<double>(i);
   }
-  EXPECT_EQ(truth->contact_force_N(), forces_N);
+  EXPECT_EQ(truth->contact_force_N, forces_N);
 }
 
 TEST(RunProvider, AFixedBaseHasNoTopicsOfABody) {
@@ -269,7 +269,7 @@ TEST(RunProvider, AFixedBaseHasNoTopicsOfABody) {
     const auto state = states.WaitNext(10s);
     if (!state) break;
     endpoints = witness.Endpoints();
-    last = state->last_tick();
+    last = state->last_tick;
   }
   provider.join();
   EXPECT_TRUE(last);
@@ -338,18 +338,18 @@ TEST(RunProvider, ALostImuIsAFaultOfAGuardedRobotWithin100ms) {
   while (!last) {
     const auto state = states.WaitNext(20s);
     if (!state) break;
-    if (!fault_tick && state->robot_state() == msg::ROBOT_FAULT)
-      fault_tick = state->header().tick();
-    last = state->last_tick();
+    if (!fault_tick && state->robot_state == msg::RobotState::kFault)
+      fault_tick = state->header.tick;
+    last = state->last_tick;
     msg::RecordingProgress answer;
-    answer.header(state->header());
+    answer.header = state->header;
     EXPECT_EQ(answers.Write(answer), node::WriteStatus::kOk);
   }
   provider.join();
   std::string message;
   while (const auto status = statuses.TakeNext()) {
-    if (status->message().to_string().find("fall") != std::string::npos) {
-      message = status->message().to_string();
+    if (status->message.find("fall") != std::string::npos) {
+      message = status->message;
     }
   }
   ASSERT_TRUE(fault_tick);
@@ -388,17 +388,17 @@ TEST(RunProvider, ADisturbanceOfAnotherSessionIsRefused) {
       [&] { RunProvider(OptionsOf("provider", 51), stop, {.duration_s = 30.0}, {}, plant); });
   const auto push = [&](std::uint64_t session_id, double force_N) {
     msg::SimDisturbance disturbance;
-    disturbance.header().session_id(session_id);
-    disturbance.header().origin(msg::ORIGIN_SIM);
-    disturbance.joint_count(1);
-    disturbance.load_force_N()[0] = force_N;
+    disturbance.header.session_id = session_id;
+    disturbance.header.origin = msg::Origin::kSim;
+    disturbance.joint_count = 1;
+    disturbance.load_force_N[0] = force_N;
     EXPECT_EQ(hand.Write(disturbance), node::WriteStatus::kOk);
   };
   const auto state = states.WaitNext(10s);
   for (int i = 0; i < 1000 && hand.matched_readers() == 0; ++i) sender.WaitForData(10ms);
   if (state) {
-    push(state->header().session_id() + 1, 1.0);
-    push(state->header().session_id(), 2.0);
+    push(state->header.session_id + 1, 1.0);
+    push(state->header.session_id, 2.0);
     // Both were there before this: a state of a later tick is written after they were taken.
     for (int i = 0; i < 5; ++i) EXPECT_TRUE(states.WaitNext(10s));
   }
