@@ -6,6 +6,16 @@ include(${CMAKE_CURRENT_LIST_DIR}/run_command.cmake)
 file(STRINGS ${BUILD}/public_headers.txt public)
 file(STRINGS ${BUILD}/other_headers.txt other)
 
+# What tools/docs has pages of.
+run("listing the documented headers" python3 ${PROJECT}/tools/site/build.py --headers)
+string(REGEX MATCHALL "[^\n]+" documented "${output}")
+set(listed ${public})
+list(SORT documented)
+list(SORT listed)
+if(NOT documented STREQUAL listed)
+  message(SEND_ERROR "tools/docs documents other headers than the public ones:\n${documented}\nexpected:\n${listed}")
+endif()
+
 # A header of a module that no list names would be missing from the package without a word.
 file(GLOB_RECURSE headers RELATIVE ${PROJECT} ${PROJECT}/components/*.h ${PROJECT}/bridge/*.h ${PROJECT}/sim/*.h
   ${PROJECT}/tools/*.h)

@@ -599,8 +599,8 @@ TEST(Tree, EveryDecisionIsListedAndHasItsFourParts) {
 }
 
 TEST(Tree, TheCommandsAreThereAndCanBeRun) {
-  for (const char* name : {"tools/demo", "tools/test", "tools/package", ".ci/run", ".ci/night",
-                           ".ci/bare_root", ".ci/checks"}) {
+  for (const char* name : {"tools/demo", "tools/test", "tools/package", "tools/docs", ".ci/run",
+                           ".ci/night", ".ci/bare_root", ".ci/checks"}) {
     ASSERT_TRUE(fs::exists(kRoot / name)) << name;
     const auto permissions = fs::status(kRoot / name).permissions();
     EXPECT_NE(permissions & fs::perms::owner_exec, fs::perms::none) << name;
