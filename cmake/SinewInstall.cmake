@@ -29,4 +29,6 @@ install(DIRECTORY ${CMAKE_BINARY_DIR}/generated/sinew_idl DESTINATION include/si
   FILES_MATCHING PATTERN "*.h")
 install(DIRECTORY idl DESTINATION share/sinew FILES_MATCHING PATTERN "*.idl" PATTERN "README.md")
 install(DIRECTORY robots schemas DESTINATION share/sinew COMPONENT core)
-install(FILES tools/python/sinew_recording.py DESTINATION share/sinew/python COMPONENT prefix)  # not in a package
+# Not in a package: that has them where Python looks.
+install(FILES tools/python/sinew_recording.py DESTINATION share/sinew/python COMPONENT prefix)
+install(DIRECTORY tools/python/sinew DESTINATION share/sinew/python COMPONENT prefix PATTERN "__pycache__" EXCLUDE)

@@ -35,6 +35,8 @@ add_custom_target(package_contents DEPENDS ${pages}/done ${programs} ${modules})
 
 install(FILES tools/systemd/environment DESTINATION /etc/sinew COMPONENT core EXCLUDE_FROM_ALL)
 install(FILES tools/python/sinew_recording.py DESTINATION lib/python3/dist-packages COMPONENT python EXCLUDE_FROM_ALL)
+install(DIRECTORY tools/python/sinew DESTINATION lib/python3/dist-packages COMPONENT python EXCLUDE_FROM_ALL
+  PATTERN "__pycache__" EXCLUDE)
 
 file(STRINGS tools/run_packages.txt run_packages REGEX "^[a-z0-9]")
 set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS tools/run_packages.txt)
@@ -42,8 +44,9 @@ set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS tools/run_package
 list(APPEND run_packages "systemd-standalone-sysusers | systemd-sysusers" "systemd-standalone-tmpfiles | systemd-tmpfiles")
 list(JOIN run_packages ", " CPACK_DEBIAN_CORE_PACKAGE_DEPENDS)
 list(JOIN SINEW_DEV_PACKAGES ", " CPACK_DEBIAN_DEV_PACKAGE_DEPENDS)
-set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "python3, python3-numpy, python3-zstandard")
+set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "python3, python3-numpy, python3-yaml, python3-zstandard")
 set(CPACK_DEBIAN_PYTHON_PACKAGE_RECOMMENDS python3-lz4)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_SUGGESTS sinew-core)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_ARCHITECTURE all)
 set(CPACK_DEBIAN_CORE_PACKAGE_SUGGESTS "sinew-sim, sinew-view, python3-sinew")
 
@@ -60,8 +63,9 @@ Foxglove and Lichtblick.")
 set(CPACK_COMPONENT_DEV_DESCRIPTION "participants of one's own for Sinew
 Headers, static libraries and what CMake's find_package(sinew) reads; the
 topics as IDL files.")
-set(CPACK_COMPONENT_PYTHON_DESCRIPTION "recordings of Sinew as NumPy arrays
-The module sinew_recording, which needs no program of Sinew.")
+set(CPACK_COMPONENT_PYTHON_DESCRIPTION "Sinew from Python
+Recordings as NumPy arrays and model files as objects, which needs no program of
+Sinew; with sinew-core check-data and close-loop, their reports as objects.")
 set(CPACK_DEBIAN_CORE_PACKAGE_NAME sinew-core)
 set(CPACK_DEBIAN_SIM_PACKAGE_NAME sinew-sim)
 set(CPACK_DEBIAN_VIEW_PACKAGE_NAME sinew-view)

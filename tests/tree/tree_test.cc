@@ -422,7 +422,8 @@ TEST(Tree, EveryLibraryIsIncludedByATest) {
 std::set<std::string> Packages() {
   std::set<std::string> packages;
   std::string lists;
-  for (const char* list : {"packages", "run_packages", "test_packages", "oracle_packages"}) {
+  for (const char* list :
+       {"packages", "run_packages", "test_packages", "oracle_packages", "notebook_packages"}) {
     lists += Read(kRoot / "tools" / (std::string(list) + ".txt"));
   }
   for (const std::string& line : Lines(lists)) {
@@ -480,6 +481,7 @@ TEST(Tree, PackagesAreExactlyWhatTheBuildAndTheProgramsNeed) {
                                      "python3-numpy",
                                      "python3-zstandard",
                                      "python3-lz4",
+                                     "python3-matplotlib",
                                      "python3-jsonschema",
                                      "python3-yaml"};
   // Part of every compiler installation, or only for measurements.

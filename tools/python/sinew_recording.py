@@ -7,6 +7,8 @@
     time_s = 1e-9 * state["header.stamp_ns"]
     position_rad = state["position_rad"][:, 0]
     run.labels("joint_state", "robot_state")       # names of the numbers of an enum
+    for topic, log_time_ns, publish_time_ns, content in run:
+        ...                                        # every message, as a dict
 
 Reads MCAP files (https://mcap.dev/spec) whose messages are CDR with an embedded schema: omgidl as Sinew records it,
 and ros2msg as bags of ROS 2 have it. Needs NumPy; python3-zstandard or python3-lz4 for chunks that are compressed so.
@@ -15,15 +17,17 @@ Arrays have the names, shapes and types of `sinew export --format npz` (docs/int
 those in use (joint_count), rows that use fewer are filled with NaN, 0 or nothing; enums are numbers; texts are bytes
 (UTF-8). Units stand in the names of the fields.
 """
+import heapq
 import re
 import struct
 import warnings
 import zlib
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
-__all__ = ["Recording", "RecordingError"]
+__all__ = ["Message", "Recording", "RecordingError"]
 
 MAGIC = b"\x89MCAP0\r\n"
 HEADER, FOOTER, SCHEMA, CHANNEL, MESSAGE, CHUNK, METADATA, DATA_END = 0x01, 0x02, 0x03, 0x04, 0x05, 0x06, 0x0C, 0x0F
@@ -46,6 +50,7 @@ class Number:
         self.size = self.dtype.itemsize
         self.fixed = True
         self.is_bool, self.is_octet = code == "?", code == "u1"
+        self.char = self.dtype.char if self.size < 8 else {"f8": "d", "i8": "q", "u8": "Q"}[code]  # of struct
 
 
 COUNT = Number("u4")  # of a sequence, of the bytes of a text
@@ -385,24 +390,31 @@ def decode_one(kind, payload):
     check_encoding(payload)
     order, at = "<" if payload[1] & 1 else ">", 4
 
-    def number(of):
+    def numbers(of, count):
         nonlocal at
-        at = 4 + -(-(at - 4) // of.size) * of.size
-        value = np.frombuffer(payload, of.dtype.newbyteorder(order), 1, at)[0].item()
-        at += of.size
-        return of.labels[value] if of.labels and value < len(of.labels) else value
+        begin = 4 + -(-(at - 4) // of.size) * of.size if count else at
+        at = begin + count * of.size
+        if at > len(payload):
+            raise ValueError(f"a message of {len(payload)} bytes ends early")
+        values = struct.unpack_from(f"{order}{count}{of.char}", payload, begin)
+        if of.labels:
+            return [of.labels[value] if value < len(of.labels) else value for value in values]
+        return list(values)
 
     def build(of):
         nonlocal at
         if isinstance(of, Struct):
             return {name: build(member) for name, member in of.members}
         if isinstance(of, List):
-            return [build(of.element) for _ in range(number(COUNT) if of.count is None else of.count)]
+            count = numbers(COUNT, 1)[0] if of.count is None else of.count
+            if isinstance(of.element, Number):
+                return numbers(of.element, count)
+            return [build(of.element) for _ in range(count)]
         if isinstance(of, Text):
-            size = number(COUNT)
+            size = numbers(COUNT, 1)[0]
             at += size
             return payload[at - size:at - 1].decode(errors="replace")
-        return number(of)
+        return numbers(of, 1)[0]
 
     return build(kind)
 
@@ -450,12 +462,29 @@ def map_at(data, at):
     return values, at
 
 
+class Message(NamedTuple):
+    """A message of any topic: what iterating over a Recording gives."""
+
+    topic: str
+    log_time_ns: int
+    publish_time_ns: int
+    content: dict
+
+    def __repr__(self):
+        """The values on a line of 79 columns; as a whole: content."""
+        values = ", ".join(f"{name}={value!r}" for name, value in self.content.items() if name != "header")
+        text = f"<Message {self.topic}, stamp {1e-9 * self.publish_time_ns:.6f} s: {values}"
+        return (text if len(text) < 79 else text[:74] + " ...") + ">"
+
+
 class Recording:
     """A recording, read as a whole into memory; topics: only these.
 
     Attributes: path; profile; metadata (record name -> dict); cut_off (the file lacks its end, as after a power cut:
     what is whole is here); left_out (topic -> why: other encodings than CDR). Raises OSError, and RecordingError for a
     file that is broken; warns once of topics that are left out.
+
+    Iterating gives every Message in the order of log_time; len() is their number; `in` asks for a topic.
     """
 
     def __init__(self, path, topics=None):
@@ -476,7 +505,67 @@ class Recording:
 
     @property
     def topics(self):
-        return sorted(topic for topic, _ in self._channels.values())
+        """Names, each once, whatever number of writers it had."""
+        return sorted({topic for topic, _ in self._channels.values()})
+
+    @property
+    def counts(self):
+        """Topic -> number of its messages."""
+        counts = dict.fromkeys(self.topics, 0)
+        for channel, (topic, _) in self._channels.items():
+            counts[topic] += len(self._messages[channel])
+        return counts
+
+    @property
+    def duration_s(self):
+        """From the first log_time to the last, as `sinew list` prints it."""
+        return self._span_s(0)
+
+    @property
+    def stamps_s(self):
+        """From the first publish_time to the last: of a run in lockstep, simulated time."""
+        return self._span_s(1)
+
+    def _span_s(self, column):
+        times = [message[column] for messages in self._messages.values() for message in messages]
+        return 1e-9 * (max(times) - min(times)) if times else 0.0
+
+    def __len__(self):
+        return sum(map(len, self._messages.values()))
+
+    def __bool__(self):
+        return True  # a recording without messages is one, too
+
+    def __repr__(self):
+        counts = self.counts
+        length = f"{self.duration_s:.4g} s"
+        if self.metadata.get("sinew.recording", {}).get("mode") == "lockstep":
+            length += f" ({self.stamps_s:.4g} s simulated)"
+        lines = [f"<Recording {self.path.name}: {length}, {len(self)} messages, {len(counts)} topics"
+                 + (", cut off" if self.cut_off else "") + ">"]
+        width, digits = max(map(len, counts), default=0), len(str(max(counts.values(), default=0)))
+        for topic, count in counts.items():
+            lines.append(f"  {topic:<{width}}  {count:>{digits}}  {self._type_name(topic).split('::')[-1]}")
+        lines += [f"  left out: {topic} has {why}" for topic, why in sorted(self.left_out.items())]
+        return "\n".join(lines)
+
+    def _type_name(self, topic):
+        """The type of its first writer; empty without a schema."""
+        schema = next(schema for name, schema in self._channels.values() if name == topic)
+        return self._schemas.get(schema, ("",))[0]
+
+    def __iter__(self):
+        """Topics whose schema cannot be read are left out, with a warning that names them."""
+        readable, unreadable = [], []
+        for topic in self.topics:
+            try:
+                self._of(topic)
+                readable.append(topic)
+            except RecordingError as error:
+                unreadable.append(str(error))
+        if unreadable:
+            warnings.warn("topics are left out: " + "; ".join(unreadable), stacklevel=2)
+        return heapq.merge(*map(self._messages_of, readable), key=lambda message: message.log_time_ns)
 
     def __contains__(self, topic):
         return topic in self.topics
@@ -493,10 +582,14 @@ class Recording:
 
     def messages(self, topic):
         """One message after the other as dicts, enums by their labels, all entries of fixed arrays."""
+        for message in self._messages_of(topic):
+            yield message.content
+
+    def _messages_of(self, topic):
         kind, messages = self._of(topic)
-        for _, _, payload in messages:
+        for log_time, publish_time, payload in messages:
             try:
-                yield decode_one(kind, payload)
+                yield Message(topic, log_time, publish_time, decode_one(kind, payload))
             except (ValueError, IndexError) as error:
                 raise RecordingError(f"{self.path}: topic '{topic}': {error}") from error
 

@@ -104,8 +104,9 @@ print("packages:", len(state["robot_state"]), "messages of joint_state recorded"
   in_root sinew close-loop --model /root/example/model.yaml --map /root/rig/csv_map.yaml --train /root/example/train_{1,2,3}.csv \
     --held-out /root/example/sealed.csv --out /root/result > "$folder/close_loop.log" 2>&1 ||
     fail "sinew close-loop: $(tail -n 20 "$folder/close_loop.log")"
-  in_root python3 -c 'import json
-found = [effect["name"] for effect in json.load(open("/root/result/report.json"))["effects"]]
+  in_root python3 -c 'import json, sinew
+found = [effect.name for effect in sinew.read_report("/root/result").effects]
+assert sinew.check_data("/root/example/train_1.csv", "/root/example/model.yaml", map="/root/rig/csv_map.yaml").ok
 hidden = json.load(open("/root/example/truth.json"))["effects"]
 assert found and found == [effect["name"] for effect in hidden], f"found {found}, hidden was {hidden}"
 print("packages: close-loop found", *found)'

@@ -293,7 +293,7 @@ def check_broken(arguments, folder):
     refused(folder, b"time_s,q\n0,1\n", "is no MCAP file")
     refused(folder, container(schema, [good], damage=True), "its checksum is another one")
     refused(folder, container(schema, [good[:-1]]), "ends early")
-    refused(folder, container(schema, [good[:-1]]), "smaller", lambda recording: list(recording.messages("x")))
+    refused(folder, container(schema, [good[:-1]]), "ends early", lambda recording: list(recording.messages("x")))
     refused(folder, container("@mutable struct X { double a; };", [good]), "@mutable")
     refused(folder, container("@final struct X { Y a; };", [good]), "type 'Y'")
     refused(folder, container("@final struct Y { double a; };", [good]), "struct 'X'")
@@ -352,6 +352,43 @@ def check_others(arguments, folder):
     named = run(arguments.sinew, "export", path, "--format", "npz", "--out", folder / "no.npz", "--topic", "/log", code=2)
     expect("topic '/log' has messages 'protobuf'" in named.stderr, named.stderr)
     print("topics of other encodings are left out and named")
+
+
+def check_objects(arguments, folder):
+    sample = write_sample(arguments, folder)
+    recording = Recording(sample)
+    listed = json.loads(run(arguments.sinew, "list", sample, "--json").stdout)
+    expect(abs(recording.duration_s - listed["duration_s"]) < 1e-9, f"{recording.duration_s} s, {listed['duration_s']}")
+    expect(recording.counts == {topic["name"]: topic["messages"] for topic in listed["topics"]}, f"{recording.counts}")
+    shown = repr(recording).splitlines()
+    expect(shown[0].startswith("<Recording sample.mcap: ") and f"{listed['messages']} messages" in shown[0], shown[0])
+    expect([line.split()[0] for line in shown[1:]] == recording.topics, f"{shown}")
+    expect(any(line.split() == ["imu", "20", "Imu"] for line in shown), f"{shown}")
+    messages = list(recording)
+    expect(len(messages) == len(recording) == listed["messages"], f"{len(messages)} messages")
+    times = [message.log_time_ns for message in messages]
+    expect(times == sorted(times), "messages in another order than that of log_time")
+    for topic in recording.topics:
+        of_topic = [message.content for message in messages if message.topic == topic]
+        expect(of_topic == list(recording.messages(topic)), f"{topic}: other messages")
+    expect(max(map(len, map(repr, messages))) < 80 and repr(messages[0]).startswith("<Message "), repr(messages[0]))
+    # Two writers of a topic are one topic; one without a schema that is understood is left out of the loop.
+    payload = b"\0\1\0\0" + struct.pack("<d", 1.5)
+    others = (record(0x04, struct.pack("<HH", 2, 1) + text("x") + text("cdr") + struct.pack("<I", 0)) +
+              record(0x05, struct.pack("<HIQQ", 2, 0, 999, 0) + payload) +
+              record(0x03, struct.pack("<H", 9) + text("Y") + text("omgidl") + text("@mutable struct Y {};")) +
+              record(0x04, struct.pack("<HH", 9, 9) + text("y") + text("cdr") + struct.pack("<I", 0)))
+    two = read(folder, container("@final struct X { double a; };", [payload] * 2, others=others))
+    expect(two.topics == ["x", "y"] and two.counts == {"x": 3, "y": 0}, f"{two.topics}, {two.counts}")
+    expect(repr(two).count("\n  x ") == 1 and "2 topics" in repr(two), repr(two))
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        found = [(topic, log_time_ns, content["a"]) for topic, log_time_ns, _, content in two]
+    expect(found == [("x", 999, 1.5), ("x", 1000, 1.5), ("x", 1001, 1.5)], f"{found}")
+    expect(len(caught) == 1 and "topic 'y'" in str(caught[0].message) and "@mutable" in str(caught[0].message), f"{caught}")
+    empty = read(folder, b"\x89MCAP0\r\n" + record(0x0F, bytes(4)))
+    expect(list(empty) == [] and empty and repr(empty) == "<Recording made.mcap: 0 s, 0 messages, 0 topics>", repr(empty))
+    print(f"{len(messages)} messages in the order of their times, {len(recording.topics)} topics once each")
 
 
 def check_layouts(arguments, folder):
