@@ -69,23 +69,11 @@ struct JointControlConfig {
   bool needs_regime() const noexcept { return strategy == Strategy::kPidEsn && by_regime; }
 };
 
-struct JointInput {
-  double period_s = 0.0;
-  bool interrupted = false;
-  bool stands_by = false;  // what it holds is where the joint is: another controller moves it
+struct JointInput : CycleInput {
   const MeasuredJointState* measured = nullptr;
   bool reference_expected = false;  // the reference asks for this joint, or did when last heard
-  bool reference_fresh = false;
-  double reference_late_s = kNoInput;  // RobotInput
-  bool reference_changed = false;      // to another generator's: the step to it fades out
-  bool reference_replayed = false;
   Point reference;
-  bool prediction_fresh = false;
-  double prediction_late_s = kNoInput;
-  bool prediction_changed = false;  // to another predictor's: likewise
   JointPrediction prediction;
-  bool regime_fresh = false;
-  double regime_late_s = kNoInput;
   types::Regime regime = types::Regime::kUnknown;
   MotionOrder motion;
 };

@@ -44,25 +44,13 @@ RobotOutput RobotController::Step(const RobotInput& input) noexcept {
 
   bool off = false;
   for (int j = 0; j < joint_count(); ++j) {
-    JointInput joint;
-    joint.period_s = input.period_s;
-    joint.interrupted = input.interrupted;
-    joint.stands_by = input.stands_by;
-    joint.measured = &input.joint[j];
-    joint.reference_expected = j < reference_count_;
-    joint.reference_fresh = input.reference_fresh;
-    joint.reference_late_s = input.reference_late_s;
-    joint.reference_changed = input.reference_changed;
-    joint.reference_replayed = input.reference_replayed;
-    joint.reference = input.reference[j];
-    joint.prediction_fresh = input.prediction_fresh;
-    joint.prediction_late_s = input.prediction_late_s;
-    joint.prediction_changed = input.prediction_changed;
-    joint.prediction = input.prediction[j];
-    joint.regime_fresh = input.regime_fresh;
-    joint.regime_late_s = input.regime_late_s;
-    joint.regime = input.regime[j];
-    joint.motion = input.motion[j];
+    const JointInput joint{input,
+                           &input.joint[j],
+                           j < reference_count_,
+                           input.reference[j],
+                           input.prediction[j],
+                           input.regime[j],
+                           input.motion[j]};
     const JointController::Result result = joints_[j].Step(joint);
     output.joint[j] = result.output;
     output.stale = output.stale || result.stale;

@@ -59,31 +59,35 @@ struct MotionOrder {
 // Lateness of an input of which there is nothing.
 inline constexpr double kNoInput = std::numeric_limits<double>::infinity();
 
-struct RobotInput {
-  std::uint64_t session_id = 0;
+// The cycle's inputs that count for every joint.
+struct CycleInput {
   double period_s = 0.0;
-  bool armed = false;        // the provider lets commands through
   bool interrupted = false;  // armed, but the last command did not count or may not have: the
                              // provider bridges a gap
-  bool stands_by = false;    // the robot gets another controller's commands, or may get them
-  int joint_count = 0;
-  types::JointArray<MeasuredJointState> joint{};
+  bool stands_by = false;    // the robot gets another controller's commands, or may get them: what
+                             // this one holds is where the joint is
 
   bool reference_fresh = false;        // belongs to this tick and is not marked stale
   double reference_late_s = kNoInput;  // else: how old it is
-  bool reference_changed = false;      // it comes from another generator than the one before
-  int reference_count = 0;             // 0: nothing is asked for
+  bool reference_changed = false;      // it comes from another generator than the one before: the
+                                       // step to it fades out
   bool reference_replayed = false;     // a recording's, on live hardware
-  types::JointArray<Point> reference{};
-
   bool prediction_fresh = false;
   double prediction_late_s = kNoInput;
-  bool prediction_changed = false;  // it comes from another predictor than the one before
-  types::JointArray<JointPrediction> prediction{};
+  bool prediction_changed = false;  // it comes from another predictor: likewise
   bool regime_fresh = false;
   double regime_late_s = kNoInput;
-  types::JointArray<types::Regime> regime{};
+};
 
+struct RobotInput : CycleInput {
+  std::uint64_t session_id = 0;
+  bool armed = false;  // the provider lets commands through
+  int joint_count = 0;
+  types::JointArray<MeasuredJointState> joint{};
+  int reference_count = 0;  // 0: nothing is asked for
+  types::JointArray<Point> reference{};
+  types::JointArray<JointPrediction> prediction{};
+  types::JointArray<types::Regime> regime{};
   types::JointArray<MotionOrder> motion{};
 };
 
