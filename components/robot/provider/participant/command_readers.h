@@ -27,8 +27,8 @@ namespace sinew::provider {
 
 class CommandReaders {
  public:
-  // Called with every command, with the operator's reason. Returns why it was
-  // refused, for the log; empty: as `result` says.
+  // Called with every command, with the operator's reason. Returns why it was refused, for the log;
+  // empty: as `result` says.
   using OnOperator = std::function<std::string(OperatorResult result, types::OperatorAction action,
                                                std::string_view reason)>;
   // Cycle and plant must outlive it. Throws DdsError.

@@ -32,14 +32,13 @@ StatePublisher::StatePublisher(node::Node& node, const Plant& plant)
 void StatePublisher::Publish(const types::MessageHeader& header, types::RobotState state,
                              const types::Fault& fault, bool last_tick, double period_s,
                              const PlantSensors& sensors) {
-  const msg::Header head = header;
-  FillActuatorState(head, sensors);
+  FillActuatorState(header, sensors);
   Count(actuator_state_.Write(actuators_));
-  if (foot_force_) PublishBody(head, *plant_.body_sensors());
+  if (foot_force_) PublishBody(header, *plant_.body_sensors());
   if (sim_truth_) {
-    Count(sim_truth_->Write(ToMessage(head, plant_.joint_count(), simulated_->gear_truth())));
+    Count(sim_truth_->Write(ToMessage(header, plant_.joint_count(), simulated_->gear_truth())));
   }
-  if (sim_body_truth_) Count(sim_body_truth_->Write(ToMessage(head, *simulated_->body_truth())));
+  if (sim_body_truth_) Count(sim_body_truth_->Write(ToMessage(header, *simulated_->body_truth())));
   joints_.robot_state = state;
   joints_.fault = types::ToMessage(fault);
   joints_.last_tick = last_tick;
@@ -47,10 +46,10 @@ void StatePublisher::Publish(const types::MessageHeader& header, types::RobotSta
   joints_.measured_period_s =
       last_stamp_ns_ ? 1e-9 * static_cast<double>(header.stamp_ns - *last_stamp_ns_) : period_s;
   last_stamp_ns_ = header.stamp_ns;
-  FillJointState(head, sensors);
+  FillJointState(header, sensors);
   written_ns_ = types::MonotonicNow_ns();
   Count(joint_state_.Write(joints_));
-  if (bus_status_) PublishBus(head, *plant_.bus_report());
+  if (bus_status_) PublishBus(header, *plant_.bus_report());
 }
 
 void StatePublisher::FillJointState(const msg::Header& header, const PlantSensors& sensors) {
