@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <signal.h>
 #include <sinew_idl/joint.h>
+#include <sinew_idl/operator.h>
 #include <sinew_idl/reference.h>
 
 #include <algorithm>
@@ -95,6 +96,13 @@ class Player {
   std::thread thread_;
 };
 
+// `sinew WORDS` in this domain.
+Finished Command(std::vector<std::string> words, const char* timeout_s = "20") {
+  words.insert(words.begin(), kSinew);
+  words.insert(words.end(), {"--domain", std::to_string(kPermitDomain), "--timeout", timeout_s});
+  return launch::Run(words, 40s);
+}
+
 class LiveRobot : public ::testing::Test {
  protected:
   LiveRobot()
@@ -118,11 +126,6 @@ class LiveRobot : public ::testing::Test {
     provider_.join();
   }
 
-  static Finished Command(std::vector<std::string> words, const char* timeout_s = "20") {
-    words.insert(words.begin(), kSinew);
-    words.insert(words.end(), {"--domain", std::to_string(kPermitDomain), "--timeout", timeout_s});
-    return launch::Run(words, 40s);
-  }
   // Lets the robot run this many cycles; false when it does not.
   bool Cycles(std::uint64_t count) {
     const auto first = states_.WaitNext(20s);
@@ -175,6 +178,8 @@ TEST_F(LiveRobot, ARecordingMovesItOnlyWithPermissionAndWithoutAStep) {
   EXPECT_NE(other.error.find("'player'"), std::string::npos) << other.error;
   const Finished permit = Command({"permit-replay", "player"});
   ASSERT_EQ(permit.exit_code, 0) << permit.error;
+  EXPECT_TRUE(control_.WaitForText("the recording that 'player' plays may move this robot", 1s))
+      << "the command said so before control did: " << control_.error();
   ASSERT_TRUE(CyclesUntil([&] { return std::abs(position_rad_ - 1.0) < 1e-6; }))
       << control_.error();
   // The quintic is 15/8 of its mean velocity at the most, and begins as 10 u^3; a command may come
@@ -220,6 +225,34 @@ TEST_F(LiveRobot, AnotherReferenceEndsThePermission) {
   ASSERT_TRUE(Cycles(100));
   EXPECT_NEAR(position_rad_, 1.0, 1e-6);
   EXPECT_EQ(robot_, msg::RobotState::kArmed);
+}
+
+// A robot that is armed, and whose provider alone reads what operators say.
+TEST(PermitReplay, IsNotDoneUntilAComponentSaysThatItPermits) {
+  Player player;
+  node::Node provider(PermitNode("provider"));
+  auto states = provider.MakeWriter(node::kJointState);
+  auto commands = provider.MakeReader(node::kOperatorCommand);
+  std::atomic<bool> stop{false};
+  std::thread armed([&] {
+    msg::JointState state;
+    state.header.origin = msg::Origin::kLive;
+    state.header.session_id = 1;
+    state.joint_count = 1;
+    state.robot_state = msg::RobotState::kArmed;
+    while (!stop) {
+      ++state.header.tick;
+      (void)states.Write(state);
+      provider.WaitForData(10ms);
+    }
+  });
+  const Finished permit = Command({"permit-replay", "player"}, "5");
+  stop = true;
+  armed.join();
+  EXPECT_EQ(permit.exit_code, 1) << "said to be done, and nobody permits it";
+  EXPECT_NE(permit.error.find("no component says that it permits"), std::string::npos)
+      << permit.error;
+  EXPECT_TRUE(commands.TakeLatest()) << "it was never said";
 }
 
 }  // namespace

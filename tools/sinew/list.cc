@@ -170,6 +170,7 @@ Json DescribeDomain(const ListOptions& options) {
     report["participants"].push_back({{"name", name},
                                       {"state", NameOf(status.state)},
                                       {"standby", status.standby},
+                                      {"permitted_replay", status.permitted_replay},
                                       {"process_id", status.process_id},
                                       {"host", status.host},
                                       {"version", status.version},
@@ -215,6 +216,14 @@ Json DescribeDomain(const ListOptions& options) {
 std::string Standing(const Json& row) {
   const std::string state = row["state"];
   return row.value("standby", false) && state == "active" ? "standby" : state;
+}
+
+// The message, and that a recording may move the robot.
+std::string ShownMessage(const Json& row) {
+  const std::string message = row.value("message", "");
+  const std::string permitted = row.value("permitted_replay", "");
+  if (permitted.empty()) return message;
+  return (message.empty() ? "" : message + "; ") + "permits the replay of '" + permitted + "'";
 }
 
 // Participants of other implementations may have none.
@@ -317,7 +326,7 @@ void PrintParticipants(const Json& rows, const std::string& own_host) {
             : "-";
     print(row["name"].get<std::string>(), row.value("host", "-"), Standing(row),
           {Cell(row, "process_id"), Cell(row, "cycles"), Cell(row, "stale_inputs"), memory},
-          Cell(row, "missed_ticks"), row.value("message", ""));
+          Cell(row, "missed_ticks"), ShownMessage(row));
   }
 }
 

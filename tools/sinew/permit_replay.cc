@@ -2,6 +2,7 @@
 
 #include <sinew_idl/joint.h>
 #include <sinew_idl/operator.h>
+#include <sinew_idl/status.h>
 
 #include <CLI/CLI.hpp>
 #include <chrono>
@@ -9,6 +10,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <set>
 #include <string>
 
 #include "components/base/types/json_text.h"
@@ -26,7 +28,8 @@ namespace {
 using PermitClock = std::chrono::steady_clock;
 using std::chrono::milliseconds;
 
-// The command is volatile: said again, so that readers whose discovery is still under way get it.
+// The command is volatile: said again until a component says that it has it, and then as often that
+// standbys whose discovery is still under way get it.
 constexpr int kPermitRepeats = 5;
 constexpr milliseconds kPermitRepeat(100);
 
@@ -57,28 +60,42 @@ class Permit {
       : options_(options),
         node_(options.node),
         states_(node_.MakeReader(node::kJointState)),
+        statuses_(node_.MakeReader(node::kComponentStatus)),
         commands_(node_.MakeWriter(node::kOperatorCommand)) {}
 
-  // Empty: said. Else why not.
+  // Empty: permitted. Else why not.
   std::string Run() {
     const auto end = PermitClock::now() + std::chrono::duration<double>(options_.timeout_s);
     auto next_send = PermitClock::now();
     int sent = 0;
     while (PermitClock::now() < end) {
-      if (auto newest = states_.TakeLatest()) state_ = newest;
+      Listen();
       const bool ready = Why().empty() && commands_.matched_readers() > 0;
       if (ready && PermitClock::now() >= next_send) {
         sent += Send() ? 1 : 0;
         next_send = PermitClock::now() + kPermitRepeat;
       }
-      if (sent == kPermitRepeats) return "";
+      if (sent >= kPermitRepeats && !permitting_.empty()) return "";
       node_.WaitForData(milliseconds(20));
     }
     const std::string why = Why();
-    return why.empty() ? "the command reached nobody" : why;
+    if (!why.empty()) return why;
+    if (sent == 0) return "the command reached nobody";
+    return "no component says that it permits it; the log of control has the reason";
   }
 
  private:
+  void Listen() {
+    if (auto newest = states_.TakeLatest()) state_ = newest;
+    while (const auto status = statuses_.TakeNext()) {
+      if (status->permitted_replay == options_.target) {
+        permitting_.insert(status->name);
+      } else {
+        permitting_.erase(status->name);
+      }
+    }
+  }
+
   std::string Why() const {
     const std::string domain = " in domain " + std::to_string(options_.node.domain_id);
     if (!state_) {
@@ -107,8 +124,10 @@ class Permit {
   const PermitOptions& options_;
   node::Node node_;
   node::Reader<msg::JointState> states_;
+  node::Reader<msg::ComponentStatus> statuses_;
   node::Writer<msg::OperatorCommand> commands_;
   std::optional<msg::JointState> state_;
+  std::set<std::string> permitting_;  // components that say so
 };
 
 void RunPermit(const PermitOptions& options) {
@@ -150,8 +169,9 @@ void AddPermitReplayCommand(CLI::App& app) {
       "For this one player, until the robot is disarmed, stopped, in fault or started anew, or "
       "somebody else's\nreference is heard. The joints go from where they are held to the "
       "recording "
-      "over replay_takeover_s.\nSimulations need no permission.\nExit code 1 when it could not be "
-      "said in time.\n\nExample:\n  sinew replay run.mcap --topics reference &\n  sinew arm\n"
+      "over replay_takeover_s.\nSimulations need no permission.\nExit code 1 when no component "
+      "permitted it in time.\n\nExample:\n  sinew replay run.mcap --topics reference &\n  sinew "
+      "arm\n"
       "  sinew permit-replay player");
   command->callback([options] { RunPermit(*options); });
 }

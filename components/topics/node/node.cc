@@ -103,6 +103,9 @@ void Node::SetState(State state, const std::string& message, const types::Fault&
 }
 
 void Node::SetStandby(bool standby) { impl_->status.SetStandby(standby); }
+void Node::SetPermittedReplay(const std::string& participant) {
+  impl_->status.SetPermittedReplay(participant);
+}
 
 void Node::SetCounts(const Counts& counts) { impl_->status.SetCounts(counts); }
 

@@ -167,6 +167,8 @@ class Node {
   void SetState(State state, const std::string& message = "", const types::Fault& fault = {});
   // Another participant is heard in this one's place (other_owner.h).
   void SetStandby(bool standby);
+  // The participant whose recording may move live hardware, as this one decides; empty: none.
+  void SetPermittedReplay(const std::string& participant);
   struct Counts {
     std::uint64_t cycles = 0, stale_inputs = 0, missed_ticks = 0, write_failures = 0;
   };

@@ -10,7 +10,7 @@
 
 namespace sinew::node::internal {
 
-ReplayGate::ReplayGate(const Node& node, std::shared_ptr<NodeImpl> impl)
+ReplayGate::ReplayGate(Node& node, std::shared_ptr<NodeImpl> impl)
     : node_(node), commands_(std::move(impl), *FindTopic(kOperatorCommand.name)) {}
 
 void ReplayGate::Cycle(const types::RunningSession& running, bool may_move) {
@@ -28,16 +28,9 @@ void ReplayGate::Cycle(const types::RunningSession& running, bool may_move) {
     if (command.action != types::OperatorAction::kPermitReplay) continue;
     const std::string name = command.target;
     const std::string why = permission_.Give(command.header, name);
-    if (!why.empty()) {
-      spdlog::warn("permit-replay of '{}' refused: {}", name, why);
-    } else if (name != before) {
-      spdlog::warn(
-          "permit-replay: the recording that '{}' plays may move this robot until it is "
-          "disarmed",
-          name);
-    }
+    if (!why.empty()) spdlog::warn("permit-replay of '{}' refused: {}", name, why);
   }
-  LogEnd(before);
+  SayChange(before);
 }
 
 bool ReplayGate::Admits(const WriterId& writer) {
@@ -45,7 +38,7 @@ bool ReplayGate::Admits(const WriterId& writer) {
   if (permission_.Allows(writer)) return true;
   const std::string before = permission_.participant();
   permission_.Heard(writer, NameOf(writer));
-  LogEnd(before);
+  SayChange(before);
   return permission_.Allows(writer);
 }
 
@@ -55,9 +48,17 @@ std::string ReplayGate::Refusal(const WriterId& writer) const {
          "' lets it move this robot";
 }
 
-void ReplayGate::LogEnd(const std::string& before) const {
-  if (before.empty() || permission_.holds()) return;
-  spdlog::warn("permit-replay of '{}' has ended: {}", before, permission_.ended());
+void ReplayGate::SayChange(const std::string& before) {
+  const std::string& now = permission_.participant();
+  if (now == before) return;
+  node_.SetPermittedReplay(now);
+  if (now.empty()) {
+    spdlog::warn("permit-replay of '{}' has ended: {}", before, permission_.ended());
+  } else {
+    spdlog::warn(
+        "permit-replay: the recording that '{}' plays may move this robot until it is disarmed",
+        now);
+  }
 }
 
 std::string ReplayGate::NameOf(const WriterId& writer) const {

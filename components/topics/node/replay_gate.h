@@ -1,5 +1,5 @@
 // The permission to replay (replay_permission.h) in a loop: hears the operator, knows who writes,
-// logs what it decides.
+// logs and publishes (component_status) what it decides.
 //
 // One thread, the loop's.
 #pragma once
@@ -14,7 +14,7 @@ namespace sinew::node::internal {
 class ReplayGate {
  public:
   // Makes a reader of operator_command on the node, which must outlive it. Throws DdsError.
-  ReplayGate(const Node& node, std::shared_ptr<NodeImpl> impl);
+  ReplayGate(Node& node, std::shared_ptr<NodeImpl> impl);
 
   // Once a cycle, before samples are assessed.
   void Cycle(const types::RunningSession& running, bool may_move);
@@ -25,11 +25,11 @@ class ReplayGate {
   bool holds() const { return permission_.holds(); }
 
  private:
-  // Logs when what held before does not any more.
-  void LogEnd(const std::string& before) const;
+  // Logs and publishes what holds, where it is not what held before.
+  void SayChange(const std::string& before);
   std::string NameOf(const WriterId& writer) const;
 
-  const Node& node_;
+  Node& node_;
   ReaderImpl commands_;
   ReplayPermission permission_;
 };

@@ -81,14 +81,21 @@ void Status::SetState(Node::State state, const std::string& message, const types
   wake_up_.Give();
 }
 
-void Status::SetStandby(bool standby) {
+template <class Value>
+void Status::Set(Value Values::*member, const Value& value) {
   {
     const std::lock_guard<PriorityMutex> lock(mutex_);
-    if (standby == values_.standby) return;
-    values_.standby = standby;
+    if (value == values_.*member) return;
+    values_.*member = value;
     changed_ = true;
   }
   wake_up_.Give();
+}
+
+void Status::SetStandby(bool standby) { Set(&Values::standby, standby); }
+
+void Status::SetPermittedReplay(const std::string& participant) {
+  Set(&Values::permitted_replay, participant);
 }
 
 void Status::SetCounts(const Node::Counts& counts) {
@@ -144,6 +151,7 @@ void Status::Publish(const Values& values) {
   status.header.origin = values.origin;
   status.state = values.state;
   status.standby = values.standby;
+  status.permitted_replay = values.permitted_replay;
   status.process_id = static_cast<std::uint32_t>(::getpid());
   status.host = host_;
   status.version = kVersion;

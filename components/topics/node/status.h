@@ -34,8 +34,9 @@ class Status {
   // last one. The first call means that the component is configured: systemd is notified that it is
   // ready.
   void SetState(Node::State state, const std::string& message, const types::Fault& fault = {});
-  // Published at once when it changes, as the state.
+  // Published at once when they change, as the state.
   void SetStandby(bool standby);
+  void SetPermittedReplay(const std::string& participant);
   void SetCounts(const Node::Counts& counts);
   void SetCycle(std::uint64_t session_id, std::uint64_t tick, std::int64_t stamp_ns,
                 msg::Origin origin);
@@ -49,7 +50,7 @@ class Status {
  private:
   struct Values {
     Node::State state = Node::State::kConfigured;
-    std::string message;
+    std::string message, permitted_replay;
     types::Fault fault;
     bool standby = false;
     bool configured = false;  // SetState was called
@@ -58,6 +59,9 @@ class Status {
     std::int64_t stamp_ns = 0;
     msg::Origin origin{};
   };
+  // Sets the value, and has the thread publish when it is another one.
+  template <class Value>
+  void Set(Value Values::*member, const Value& value);
   void Run();
   void Publish(const Values& values);
   void ReportToSystemd(const Values& values);
