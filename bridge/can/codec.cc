@@ -1,7 +1,5 @@
 #include "bridge/can/codec.h"
 
-#include <algorithm>
-
 #include "bridge/can/bytes.h"
 
 namespace sinew::can {

@@ -19,7 +19,6 @@
 
 #include <array>
 #include <cstdint>
-#include <span>
 
 #include "bridge/can/codec.h"
 #include "bridge/can/frame.h"

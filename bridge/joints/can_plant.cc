@@ -1,7 +1,6 @@
 #include "bridge/joints/can_plant.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
 #include <stdexcept>
 #include <utility>

@@ -1,7 +1,5 @@
 #include "bridge/joints/exchange.h"
 
-#include <algorithm>
-
 #include "components/base/types/angle.h"
 #include "components/base/types/control_mode.h"
 

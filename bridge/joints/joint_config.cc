@@ -4,7 +4,6 @@
 #include <cstdio>
 #include <set>
 #include <span>
-#include <stdexcept>
 #include <utility>
 
 #include "bridge/can/compact.h"

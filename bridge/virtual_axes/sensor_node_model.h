@@ -5,7 +5,6 @@
 // Pure: frames, the plant's sensors and the time come in. One thread; allocates nothing.
 #pragma once
 
-#include <array>
 #include <cstdint>
 
 #include "bridge/can/sensor_node.h"

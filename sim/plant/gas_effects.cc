@@ -1,7 +1,5 @@
 #include "sim/plant/gas_effects.h"
 
-#include <algorithm>
-
 namespace sinew::plant {
 
 GasEffects::GasEffects(const actuator::JointModel& model) : model_(model) {

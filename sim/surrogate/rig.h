@@ -15,8 +15,6 @@
 // lab sees. One owner; Advance and Read are noexcept and free of allocation.
 #pragma once
 
-#include <cstdint>
-
 #include "sim/surrogate/parameters.h"
 #include "sim/surrogate/random.h"
 

@@ -9,7 +9,6 @@
 #include <memory>
 #include <optional>
 #include <system_error>
-#include <utility>
 
 #include "components/base/config/config.h"
 #include "tools/conform/checks.h"

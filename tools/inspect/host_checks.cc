@@ -1,6 +1,5 @@
 #include "tools/inspect/host_checks.h"
 
-#include <algorithm>
 #include <cstdio>
 #include <fstream>
 #include <map>

@@ -1,7 +1,5 @@
 #include "tools/inspect/message_text.h"
 
-#include <cstdint>
-
 #include "components/base/types/joints.h"
 #include "components/record/recording/file/cdr_json.h"
 

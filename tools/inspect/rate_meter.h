@@ -15,7 +15,6 @@
 #include <cstdint>
 #include <map>
 #include <optional>
-#include <string>
 
 namespace sinew::inspect {
 

@@ -1,7 +1,6 @@
 #include "tools/launch/deployment_files.h"
 
 #include <algorithm>
-#include <deque>
 #include <set>
 
 #include "components/base/config/config.h"

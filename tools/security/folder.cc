@@ -5,8 +5,6 @@
 #include <algorithm>
 #include <ctime>
 #include <functional>
-#include <limits>
-#include <sstream>
 
 #include "components/base/config/config.h"
 #include "components/base/config/whole_file.h"

@@ -8,7 +8,6 @@
 // Throws UsageError.
 #pragma once
 
-#include <chrono>
 #include <filesystem>
 #include <string>
 #include <vector>

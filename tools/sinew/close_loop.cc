@@ -6,7 +6,6 @@
 #include <climits>
 #include <iostream>
 #include <memory>
-#include <optional>
 
 #include "components/model/close_loop/close_loop.h"
 #include "components/model/gate/rules.h"

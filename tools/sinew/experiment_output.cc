@@ -1,6 +1,5 @@
 #include "tools/sinew/experiment_output.h"
 
-#include <cstdio>
 #include <optional>
 
 #include "components/base/config/config.h"

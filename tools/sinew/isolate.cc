@@ -10,7 +10,6 @@
 #include <ctime>
 #include <iostream>
 #include <memory>
-#include <optional>
 #include <stdexcept>
 #include <string>
 #include <utility>

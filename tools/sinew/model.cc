@@ -7,7 +7,6 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
-#include <vector>
 
 #include "components/base/types/json_text.h"
 #include "components/model/actuator/file/model_file.h"

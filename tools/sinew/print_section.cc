@@ -1,7 +1,6 @@
 #include "tools/sinew/print_section.h"
 
 #include <algorithm>
-#include <cstdio>
 
 #include "tools/sinew/printed.h"
 

@@ -4,7 +4,6 @@
 #include <iostream>
 #include <memory>
 #include <string>
-#include <vector>
 
 #include "components/topics/node/time_option.h"
 #include "sim/render/file/film.h"

@@ -7,7 +7,6 @@
 // depend on the seed alone and not on the costs of their own stage.
 #pragma once
 
-#include <cmath>
 #include <cstdint>
 #include <functional>
 #include <optional>

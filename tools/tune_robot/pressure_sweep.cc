@@ -1,6 +1,5 @@
 #include "tools/tune_robot/pressure_sweep.h"
 
-#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 

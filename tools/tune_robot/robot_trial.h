@@ -6,7 +6,6 @@
 // its own: nothing is shared, and a trial gives bit-identical results in whichever thread it runs.
 #pragma once
 
-#include <optional>
 #include <vector>
 
 #include "components/robot/performance/file/performance_file.h"

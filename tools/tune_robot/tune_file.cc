@@ -1,6 +1,5 @@
 #include "tools/tune_robot/tune_file.h"
 
-#include <algorithm>
 #include <regex>
 #include <sstream>
 

@@ -2,11 +2,9 @@
 // ends with that thread.
 #pragma once
 
-#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <string>
-#include <vector>
 
 #include "components/topics/node/options.h"
 #include "tools/launch/program.h"

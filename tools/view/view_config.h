@@ -1,7 +1,6 @@
 // Options of sinew-view, and its configuration, schema sinew-view/1 (docs/participants/view.md).
 #pragma once
 
-#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>

@@ -9,8 +9,6 @@
 // opened again.
 #pragma once
 
-#include <memory>
-
 #include "bridge/can/transport/transport.h"
 #include "components/base/types/clock/clock.h"
 

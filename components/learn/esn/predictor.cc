@@ -1,6 +1,5 @@
 #include "components/learn/esn/predictor.h"
 
-#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <string>

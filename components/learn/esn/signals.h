@@ -12,7 +12,6 @@
 #include <array>
 #include <optional>
 #include <string_view>
-#include <vector>
 
 #include "components/base/types/joints.h"
 

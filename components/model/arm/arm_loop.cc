@@ -1,6 +1,5 @@
 #include "components/model/arm/arm_loop.h"
 
-#include <algorithm>
 #include <cmath>
 #include <numeric>
 #include <stdexcept>

@@ -2,7 +2,6 @@
 // std::invalid_argument and UsageError.
 #pragma once
 
-#include <filesystem>
 #include <functional>
 #include <vector>
 

@@ -1,6 +1,5 @@
 #include "components/model/experiment/catalogue.h"
 
-#include <numbers>
 #include <stdexcept>
 
 #include "components/base/types/angle.h"

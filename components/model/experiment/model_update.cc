@@ -1,7 +1,6 @@
 #include "components/model/experiment/model_update.h"
 
 #include <cstdio>
-#include <numbers>
 
 #include "components/base/types/angle.h"
 

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <string>
-#include <vector>
 
 #include "components/model/experiment/result.h"
 #include "components/model/report/section.h"

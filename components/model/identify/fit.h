@@ -3,7 +3,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <vector>
 
 #include "components/model/actuator/model.h"
 #include "components/model/identify/balance.h"

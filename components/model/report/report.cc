@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "components/base/types/joined.h"
 #include "components/model/report/errors.h"

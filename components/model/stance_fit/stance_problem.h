@@ -11,8 +11,6 @@
 // channel has a colour of its own (trace/noise_model.h). Pure; allocates.
 #pragma once
 
-#include <optional>
-#include <string>
 #include <vector>
 
 #include "components/model/identify/block_regression.h"

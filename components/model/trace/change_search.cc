@@ -1,7 +1,6 @@
 #include "components/model/trace/change_search.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <random>
 #include <utility>

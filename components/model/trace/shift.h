@@ -2,7 +2,6 @@
 // effects that would shift them the same way.
 #pragma once
 
-#include <string>
 #include <vector>
 
 #include "components/model/identify/fit.h"

@@ -3,9 +3,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
-#include <stdexcept>
 
 #include "components/model/identify/statistics.h"
 #include "components/model/trace/candidates.h"

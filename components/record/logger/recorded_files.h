@@ -11,7 +11,6 @@
 #include <functional>
 #include <map>
 #include <optional>
-#include <string>
 #include <vector>
 
 #include "components/record/logger/latched_samples.h"

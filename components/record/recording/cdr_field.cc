@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <charconv>
 #include <cstring>
-#include <utility>
 
 #include "components/record/recording/cdr.h"
 #include "components/record/recording/cdr_walker.h"

@@ -14,7 +14,6 @@
 #include <map>
 #include <span>
 #include <string>
-#include <vector>
 
 namespace sinew::recording {
 

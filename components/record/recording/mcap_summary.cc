@@ -1,4 +1,3 @@
-#include <algorithm>
 
 #include "components/record/recording/compression.h"
 #include "components/record/recording/mcap_contents.h"

@@ -1,7 +1,6 @@
 #include "components/record/recording/mcap_writer.h"
 
 #include <algorithm>
-#include <cstring>
 #include <limits>
 
 #include "components/base/types/printable.h"

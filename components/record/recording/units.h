@@ -8,7 +8,6 @@
 #include <optional>
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include "components/base/types/joint_kind.h"
 #include "components/base/types/run.h"

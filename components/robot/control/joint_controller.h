@@ -23,7 +23,6 @@
 #pragma once
 
 #include <algorithm>
-#include <memory>
 #include <optional>
 
 #include "components/base/types/regime.h"

@@ -2,7 +2,6 @@
 // angle positive up; a prismatic joint reads m for rad and N for Nm (docs/decisions/0003).
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <limits>
 

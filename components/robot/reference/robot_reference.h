@@ -10,7 +10,6 @@
 // and stale, until it is armed or asked anew. Thread: one. Step is noexcept and allocates nothing.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>

@@ -26,9 +26,7 @@
 // but for At. Thread: any.
 #pragma once
 
-#include <array>
 #include <string>
-#include <vector>
 
 #include "components/base/types/gravity.h"
 #include "components/bodies/leg/squat.h"

@@ -19,7 +19,6 @@
 #include <sinew_idl/residual.h>
 
 #include <optional>
-#include <string>
 #include <vector>
 
 #include "components/model/actuator/model.h"

@@ -21,9 +21,7 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <thread>
-#include <utility>
 
 #include "components/base/config/config.h"
 #include "components/base/config/descriptor.h"

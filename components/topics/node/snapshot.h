@@ -15,10 +15,8 @@
 
 #include <cstdint>
 #include <memory>
-#include <span>
 #include <stdexcept>
 #include <string>
-#include <vector>
 
 #include "components/base/types/state_archive.h"
 #include "components/topics/node/codec.h"

@@ -30,7 +30,6 @@
 
 #include <sinew_idl/header.h>
 
-#include <chrono>
 #include <cstdint>
 #include <limits>
 #include <memory>

@@ -6,8 +6,6 @@
 #include <atomic>
 #include <cstdlib>
 #include <exception>
-#include <stdexcept>
-#include <string>
 #include <system_error>
 #include <vector>
 

@@ -1,7 +1,6 @@
 // sinew-surrogate-csv: a recording of the surrogate rig as the lab's CSV, without any topics.
 #include <CLI/CLI.hpp>
 #include <cstdint>
-#include <cstdio>
 #include <filesystem>
 #include <iostream>
 #include <stdexcept>

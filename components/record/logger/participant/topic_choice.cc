@@ -1,6 +1,5 @@
 #include "components/record/logger/participant/topic_choice.h"
 
-#include <algorithm>
 #include <regex>
 #include <set>
 

@@ -10,7 +10,6 @@
 #include <filesystem>
 #include <string>
 #include <thread>
-#include <vector>
 
 #include "components/record/logger/player/play_control.h"
 

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <filesystem>
-#include <string>
 
 #include "components/base/config/whole_file.h"
 #include "components/record/recording/io.h"

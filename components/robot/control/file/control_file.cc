@@ -2,9 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <locale>
-#include <map>
 #include <sstream>
 
 #include "components/base/types/joints.h"

@@ -3,7 +3,6 @@
 #include <CLI/CLI.hpp>
 #include <chrono>
 #include <memory>
-#include <string>
 
 #include "components/robot/provider/participant/fall_section.h"
 #include "components/topics/node/time_option.h"

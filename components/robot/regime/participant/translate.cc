@@ -1,7 +1,5 @@
 #include "components/robot/regime/participant/translate.h"
 
-#include <algorithm>
-
 #include "components/base/types/motion.h"
 #include "components/base/types/robot_state.h"
 #include "components/base/types/state_archive.h"

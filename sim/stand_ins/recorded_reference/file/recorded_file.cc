@@ -3,7 +3,6 @@
 #include <sinew_idl/joint.h>
 #include <sinew_idl/reference.h>
 
-#include <algorithm>
 #include <stdexcept>
 #include <string>
 #include <vector>
