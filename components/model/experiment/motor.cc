@@ -10,7 +10,6 @@
 #include "components/base/types/control_mode.h"
 #include "components/model/identify/differentiate.h"
 #include "components/model/identify/iir_filter.h"
-#include "components/model/identify/statistics.h"
 #include "components/model/identify/uniform.h"
 
 namespace sinew::experiment {

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstdio>
 
-#include "components/model/gate/rules.h"
 #include "components/model/identify/statistics.h"
 
 namespace sinew::gate {

@@ -6,7 +6,6 @@
 
 #include "components/model/actuator/model.h"
 #include "components/model/identify/balance.h"
-#include "components/model/identify/block_regression.h"
 #include "components/model/identify/design.h"
 #include "components/model/identify/too_little_data.h"
 

@@ -7,7 +7,6 @@
 
 #include "components/model/identify/differentiate.h"
 #include "components/model/identify/iir_filter.h"
-#include "components/model/identify/spectrum.h"
 #include "components/model/identify/statistics.h"
 
 namespace sinew::identify {

@@ -12,7 +12,6 @@
 #include "components/model/gate/gate.h"
 #include "components/model/identify/as_published.h"
 #include "components/model/identify/design.h"
-#include "components/model/identify/finding.h"
 #include "components/model/report/section.h"
 #include "components/model/trace/rotation.h"
 #include "components/model/trace/trace_result.h"

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "components/model/identify/statistics.h"
 #include "components/model/trace/candidates.h"
 #include "components/model/trace/problem.h"
 #include "components/model/trace/set_search.h"

@@ -8,7 +8,6 @@
 #include "components/base/types/run.h"
 #include "components/model/actuator/model.h"
 #include "components/model/identify/design.h"
-#include "components/model/identify/processing.h"
 #include "components/model/trace/trace_result.h"
 
 namespace sinew::trace {

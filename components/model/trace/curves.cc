@@ -6,7 +6,6 @@
 #include <set>
 #include <string_view>
 
-#include "components/model/identify/statistics.h"
 #include "components/model/trace/candidates.h"
 
 namespace sinew::trace {

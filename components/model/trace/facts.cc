@@ -5,7 +5,6 @@
 #include <numbers>
 
 #include "components/base/types/angle.h"
-#include "components/model/identify/statistics.h"
 #include "components/model/trace/rules.h"
 
 namespace sinew::trace {

@@ -6,7 +6,6 @@
 #include <numbers>
 
 #include "components/model/identify/gas.h"
-#include "components/model/identify/iir_filter.h"
 #include "components/model/trace/machine_size.h"
 #include "components/model/trace/whitened_fit.h"
 

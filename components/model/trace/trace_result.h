@@ -17,7 +17,6 @@
 #include "components/model/trace/enough_data.h"
 #include "components/model/trace/posterior.h"
 #include "components/model/trace/rules.h"
-#include "components/model/trace/whitened_fit.h"
 
 namespace sinew::trace {
 

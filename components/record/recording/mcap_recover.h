@@ -3,7 +3,6 @@
 #pragma once
 
 #include "components/record/recording/io.h"
-#include "components/record/recording/mcap_contents.h"
 #include "components/record/recording/mcap_reader.h"
 
 namespace sinew::recording {

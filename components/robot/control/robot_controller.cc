@@ -6,7 +6,6 @@
 #include <string>
 
 #include "components/base/types/joints.h"
-#include "components/base/types/regime.h"
 
 namespace sinew::control {
 

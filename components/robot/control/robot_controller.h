@@ -5,7 +5,6 @@
 #include <span>
 #include <vector>
 
-#include "components/base/types/joints.h"
 #include "components/robot/control/joint_controller.h"
 #include "components/robot/control/types.h"
 

@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "components/topics/node/codec.h"
-#include "components/topics/node/names.h"
 #include "components/topics/node/node_impl.h"
 #include "components/topics/node/realtime.h"
 

@@ -2,7 +2,6 @@
 
 #include <spdlog/spdlog.h>
 
-#include "components/base/config/config.h"
 #include "sim/render/file/scene_file.h"
 
 namespace sinew::render {

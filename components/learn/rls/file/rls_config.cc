@@ -2,7 +2,6 @@
 
 #include <string>
 
-#include "components/learn/esn/file/weights_file.h"
 #include "components/model/actuator/file/model_file.h"
 
 namespace sinew::rls {

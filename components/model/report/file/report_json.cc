@@ -1,7 +1,6 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "components/model/gate/rules.h"
 #include "components/model/report/errors.h"
 #include "components/model/report/file/report_file.h"
 #include "components/model/trace/rules.h"

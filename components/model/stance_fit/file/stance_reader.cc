@@ -6,7 +6,6 @@
 #include "components/base/config/config.h"
 #include "components/base/types/median.h"
 #include "components/model/identify/processing.h"
-#include "components/record/recording/file/recording_path.h"
 #include "components/record/recording/file/run_reader.h"
 
 namespace sinew::stance_fit {

@@ -21,7 +21,6 @@
 #include <vector>
 
 #include "components/record/recording/bytes.h"
-#include "components/record/recording/cdr.h"
 #include "components/record/recording/mcap_reader.h"
 #include "components/record/recording/run_import.h"
 
