@@ -16,9 +16,6 @@
 
 namespace sinew::can {
 
-// CRC of the bits in front of it (unstuffed), as sent in the frame.
-std::uint16_t FrameCrc(const Frame& frame) noexcept;
-
 // Bits from start of frame to the end of the intermission, stuff bits of exactly this content
 // included. Of an FD frame with bit_rate_switch most of them are sent at the data rate.
 int FrameBits(const Frame& frame) noexcept;

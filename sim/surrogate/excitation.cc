@@ -296,10 +296,6 @@ double Excitation::Hand_N(double time_s) const {
   return segment.hand_N * sum * Window(local_s, segment.length_s, 1.0);
 }
 
-double Excitation::PressureTarget_bar(double time_s) const {
-  return PieceAt(pressure_, time_s).target_bar;
-}
-
 void Excitation::operator()(double time_s, const provider::PlantSensors& sensors,
                             provider::PlantCommand* command,
                             provider::Disturbance* disturbance) const {

@@ -46,7 +46,6 @@ class Excitation {
 
   double Reference_rad(double time_s) const;  // designed, task; of the hand in pea
   double Hand_N(double time_s) const;
-  double PressureTarget_bar(double time_s) const;
   // Sets the rig's position and lock at the start of the experiment.
   void Prepare(RigParameters* rig) const;
 

@@ -96,12 +96,4 @@ LegSolution Inverse(const LegGeometry& geometry,
   return out;
 }
 
-bool InDeclaredBranch(const LegGeometry& geometry, const LegAngles& q) noexcept {
-  return q[kKnee] >= 0.0 && q[kKnee] <= std::numbers::pi &&
-         std::abs(q[kHipRoll]) < 0.5 * std::numbers::pi &&
-         geometry.ankle_offset_m + geometry.shank_m * std::cos(q[kAnklePitch]) +
-                 geometry.thigh_m * std::cos(q[kKnee] + q[kAnklePitch]) >
-             0.0;
-}
-
 }  // namespace sinew::leg

@@ -72,7 +72,4 @@ struct LegSolution {
 LegSolution Inverse(const LegGeometry& geometry,
                     const Eigen::Isometry3d& pelvis_from_sole) noexcept;
 
-// Condition (4), and the ranges of knee and hip roll: Inverse gives these angles back.
-bool InDeclaredBranch(const LegGeometry& geometry, const LegAngles& q) noexcept;
-
 }  // namespace sinew::leg

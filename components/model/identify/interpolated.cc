@@ -59,6 +59,7 @@ Eigen::Index FirstMeasured(const std::vector<Kind>& kinds, int m) {
   return -1;
 }
 
+// The number of rows of which one was measured, 1: all of them, and the first that was.
 std::pair<int, Eigen::Index> PatternOf(const types::Run& run) {
   if (run.held) return {1, 0};
   const std::vector<Kind> kinds = KindsOf(run);
@@ -70,8 +71,6 @@ std::pair<int, Eigen::Index> PatternOf(const types::Run& run) {
 }
 
 }  // namespace
-
-int RowsPerMeasured(const types::Run& run) { return PatternOf(run).first; }
 
 types::Run WithRows(types::Run run, const std::vector<Eigen::Index>& rows) {
   run.time_s = run.time_s(rows).eval();

@@ -12,14 +12,12 @@
 
 namespace sinew::identify {
 
-// The number of rows of which one was measured; 1: all of them. 0 rows or held positions: 1.
-int RowsPerMeasured(const types::Run& run);
-
 // The recording with these of its rows alone, in their order. All else is as it was: the content
 // hash names what was recorded.
 types::Run WithRows(types::Run run, const std::vector<Eigen::Index>& rows);
 
-// The measured rows alone; `interpolated_rows` says how many were left out.
+// The measured rows alone; `interpolated_rows` says how many were left out: none of 0 rows, none of
+// held positions.
 types::Run WithoutInterpolatedRows(types::Run run);
 
 }  // namespace sinew::identify

@@ -54,12 +54,6 @@ std::size_t NamedCount(const Posterior& posterior) {
   return count;
 }
 
-double NamedProbability(const Posterior& posterior) {
-  double mass = 0.0;
-  for (std::size_t k = 0; k < NamedCount(posterior); ++k) mass += posterior[k].probability;
-  return mass;
-}
-
 std::vector<std::string> RivalsOf(const Posterior& posterior) {
   std::vector<std::string> out;
   for (std::size_t k = 1; k < NamedCount(posterior); ++k) out.push_back(posterior[k].name);

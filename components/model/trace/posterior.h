@@ -36,9 +36,6 @@ Posterior PosteriorOfNames(double gain, const std::map<std::string, Alternative>
 // The number of them that are named: from the first on as many as hold 90 %, at most three.
 std::size_t NamedCount(const Posterior& posterior);
 
-// Probability that the named ones hold together.
-double NamedProbability(const Posterior& posterior);
-
 // The names of them behind the first.
 std::vector<std::string> RivalsOf(const Posterior& posterior);
 

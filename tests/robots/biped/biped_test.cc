@@ -16,6 +16,7 @@
 #include "components/bodies/leg/geometry.h"
 #include "components/bodies/leg/squat.h"
 #include "components/bodies/links/file/urdf_file.h"
+#include "tests/components/bodies/leg/declared_branch.h"
 
 namespace sinew {
 namespace {

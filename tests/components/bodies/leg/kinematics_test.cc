@@ -7,6 +7,7 @@
 #include <numbers>
 #include <random>
 
+#include "tests/components/bodies/leg/declared_branch.h"
 #include "tests/support/allocations.h"
 
 namespace sinew::leg {

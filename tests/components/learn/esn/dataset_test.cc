@@ -11,6 +11,7 @@
 #include "components/learn/esn/dataset/file/training_file.h"
 #include "components/learn/esn/normal.h"
 #include "components/model/effects/effect.h"
+#include "tests/support/temporary_folder.h"
 
 namespace sinew::esn {
 namespace {
@@ -337,22 +338,25 @@ std::string PlanMessage(std::string text, const std::string& what, const std::st
   const std::size_t at = text.find(what);
   EXPECT_NE(at, std::string::npos) << what;
   text.replace(at, what.size(), by);
+  const testing::TemporaryFolder folder;
   try {
-    ParseNetworkPlan(text, "t.yaml", network);
+    LoadNetworkPlan(folder.Write("t.yaml", text), network);
   } catch (const UsageError& error) {
-    return error.what();
+    return std::string(error.what()).substr(folder.path().string().size() + 1);
   }
   return "accepted";
 }
 
 TEST(TrainingFile, ReadsThePlanOfANetwork) {
-  const NetworkPlan sea = ParseNetworkPlan(kPlan, "t.yaml", "sea");
+  const testing::TemporaryFolder folder;
+  const std::string file = folder.Write("t.yaml", kPlan);
+  const NetworkPlan sea = LoadNetworkPlan(file, "sea");
   EXPECT_EQ(sea.dataset.region, Region::kInside);
   EXPECT_EQ(sea.dataset.target, Target::kLoadTorque);
   EXPECT_EQ(sea.training.hyper.neurons, 470);
   EXPECT_EQ(sea.training.hyper.spectral_radius, 1.25);
   EXPECT_EQ(sea.training.ridge_beta, 0.01);
-  const NetworkPlan pea = ParseNetworkPlan(kPlan, "t.yaml", "pea");
+  const NetworkPlan pea = LoadNetworkPlan(file, "pea");
   EXPECT_EQ(pea.dataset.inputs, std::vector<Signal>{Signal::kReferencePosition});
   EXPECT_EQ(pea.training.hyper.seed, 5u);
   EXPECT_FALSE(pea.training.ridge_beta.has_value());
@@ -363,20 +367,21 @@ TEST(TrainingFile, ReadsThePlanOfANetwork) {
 TEST(TrainingFile, NamesEveryMistakeWithItsLine) {
   EXPECT_THAT(
       PlanMessage(kPlan, "[reference_position_rad]", "[motor_current_A]"),
-      testing::StartsWith("t.yaml:15: key 'networks[1].inputs': 'motor_current_A', expected "
-                          "reference_position_rad, "));
-  EXPECT_THAT(PlanMessage(kPlan, "neurons: 78", "neurons: -3"), testing::StartsWith("t.yaml:16: "));
-  EXPECT_THAT(PlanMessage(kPlan, "seed: 5", "sed: 5"), testing::StartsWith("t.yaml:17: "));
+      ::testing::StartsWith("t.yaml:15: key 'networks[1].inputs': 'motor_current_A', expected "
+                            "reference_position_rad, "));
+  EXPECT_THAT(PlanMessage(kPlan, "neurons: 78", "neurons: -3"),
+              ::testing::StartsWith("t.yaml:16: "));
+  EXPECT_THAT(PlanMessage(kPlan, "seed: 5", "sed: 5"), ::testing::StartsWith("t.yaml:17: "));
   EXPECT_THAT(PlanMessage(kPlan, "leak: 0.13", "leak: .nan", "sea"),
-              testing::StartsWith("t.yaml:10: "));
-  EXPECT_THAT(
-      PlanMessage(kPlan, "leak: 0.13", "shared_rows: 2", "sea"),
-      testing::AllOf(testing::StartsWith("t.yaml:10: "), testing::HasSubstr("2, expected 1 or 4")));
+              ::testing::StartsWith("t.yaml:10: "));
+  EXPECT_THAT(PlanMessage(kPlan, "leak: 0.13", "shared_rows: 2", "sea"),
+              ::testing::AllOf(::testing::StartsWith("t.yaml:10: "),
+                               ::testing::HasSubstr("2, expected 1 or 4")));
   EXPECT_THAT(PlanMessage(kPlan, "region: inside", "region: within"),
-              testing::StartsWith("t.yaml:6: "));
-  EXPECT_THAT(PlanMessage(kPlan, "rate_Hz", "rate_hz"), testing::HasSubstr("rate_Hz"));
+              ::testing::StartsWith("t.yaml:6: "));
+  EXPECT_THAT(PlanMessage(kPlan, "rate_Hz", "rate_hz"), ::testing::HasSubstr("rate_Hz"));
   EXPECT_THAT(PlanMessage(kPlan, "pea", "peas"),
-              testing::HasSubstr("no network 'pea', expected one of sea, peas"));
+              ::testing::HasSubstr("no network 'pea', expected one of sea, peas"));
 }
 
 }  // namespace

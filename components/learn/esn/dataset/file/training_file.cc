@@ -90,7 +90,8 @@ void Describe(config::Fields& f, TrainingPlan& c) {
   });
 }
 
-static NetworkPlan Chosen(const config::Section& root, const std::string& network) {
+NetworkPlan LoadNetworkPlan(const std::filesystem::path& path, const std::string& network) {
+  const config::Section root = config::Section::Load(path, kTrainSchema);
   const NetworkPlan* chosen = nullptr;
   std::string names;
   const auto plan = config::Read<TrainingPlan>(root);
@@ -104,15 +105,6 @@ static NetworkPlan Chosen(const config::Section& root, const std::string& networ
   }
   if (!chosen) root.Fail("networks", "no network '" + network + "', expected one of " + names);
   return *chosen;
-}
-
-NetworkPlan LoadNetworkPlan(const std::filesystem::path& path, const std::string& network) {
-  return Chosen(config::Section::Load(path, kTrainSchema), network);
-}
-
-NetworkPlan ParseNetworkPlan(const std::string& text, const std::string& name,
-                             const std::string& network) {
-  return Chosen(config::Section::Parse(text, name, kTrainSchema), network);
 }
 
 }  // namespace sinew::esn

@@ -29,7 +29,5 @@ void Describe(config::Fields& f, TrainingPlan& c);
 // The plan of a network. Throws UsageError: file, line, key, expected; for a network that is not
 // there it names those that are.
 NetworkPlan LoadNetworkPlan(const std::filesystem::path& path, const std::string& network);
-NetworkPlan ParseNetworkPlan(const std::string& text, const std::string& name,
-                             const std::string& network);
 
 }  // namespace sinew::esn
