@@ -206,13 +206,13 @@ class Live {
   std::string Take(Command command) {
     switch (command) {
       case Command::kEstop:
-        return desk_.Ask(Action::kEstop);
+        return desk_.Ask(OperatorAction::kEstop);
       case Command::kDisarm:
-        return desk_.Ask(Action::kDisarm);
+        return desk_.Ask(OperatorAction::kDisarm);
       case Command::kArm:
-        return desk_.Ask(Action::kArm);
+        return desk_.Ask(OperatorAction::kArm);
       case Command::kReset:
-        return desk_.Ask(Action::kReset);
+        return desk_.Ask(OperatorAction::kReset);
       case Command::kStartRecording:
       case Command::kStopRecording:
         break;

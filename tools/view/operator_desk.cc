@@ -1,7 +1,6 @@
 #include "tools/view/operator_desk.h"
 
 #include <sinew_idl/joint.h>
-#include <sinew_idl/operator.h>
 #include <sinew_idl/status.h>
 #include <spdlog/spdlog.h>
 
@@ -18,20 +17,6 @@ namespace {
 constexpr std::int64_t kStateAge_ns = 1'000'000'000;  // older: the robot is not heard
 constexpr const char* kReason = "page of sinew-view";
 
-msg::OperatorAction MessageOf(Action action) {
-  switch (action) {
-    case Action::kDisarm:
-      return msg::OperatorAction::kDisarm;
-    case Action::kArm:
-      return msg::OperatorAction::kArm;
-    case Action::kEstop:
-      return msg::OperatorAction::kEstop;
-    case Action::kReset:
-      return msg::OperatorAction::kReset;
-  }
-  return msg::OperatorAction::kDisarm;
-}
-
 }  // namespace
 
 OperatorDesk::OperatorDesk(node::Node& node, std::vector<std::filesystem::path> sockets)
@@ -47,12 +32,12 @@ OperatorDesk::OperatorDesk(node::Node& node, std::vector<std::filesystem::path> 
   }
 }
 
-std::string OperatorDesk::Ask(Action action) {
-  if (!commands_ && action != Action::kEstop) return why_not_;
+std::string OperatorDesk::Ask(OperatorAction action) {
+  if (!commands_ && action != OperatorAction::kEstop) return why_not_;
   {
     const std::lock_guard lock(mutex_);
-    const bool estop_waits = estop_pending_ || asked_ == Action::kEstop;
-    if (estop_waits && action != Action::kEstop) return "an estop is not confirmed yet";
+    const bool estop_waits = estop_pending_ || asked_ == OperatorAction::kEstop;
+    if (estop_waits && action != OperatorAction::kEstop) return "an estop is not confirmed yet";
     asked_ = action;
   }
   node_.Wake();
@@ -77,7 +62,7 @@ void OperatorDesk::Step(std::int64_t now_ns) {
     if (message.starts_with("arm refused")) refusal = status->name + ": " + message;
   }
 
-  std::optional<Action> asked;
+  std::optional<OperatorAction> asked;
   {
     const std::lock_guard lock(mutex_);
     asked = std::exchange(asked_, std::nullopt);
@@ -89,25 +74,25 @@ void OperatorDesk::Step(std::int64_t now_ns) {
   }
   const std::optional<RobotState> now =
       stopped ? std::optional(RobotState::kEstopped) : robot(now_ns);
-  if (!refusal.empty() && action_.pending() && action_.report()->action == Action::kArm) {
+  if (!refusal.empty() && action_.pending() && action_.report()->action == OperatorAction::kArm) {
     action_.End(false, refusal);
   }
   if (const auto due = action_.Due(now, now_ns)) {
     Send(*due);
-    if (*due == Action::kEstop) PressSockets(now_ns);
+    if (*due == OperatorAction::kEstop) PressSockets(now_ns);
   }
   const std::lock_guard lock(mutex_);
-  estop_pending_ = action_.pending() && action_.report()->action == Action::kEstop;
+  estop_pending_ = action_.pending() && action_.report()->action == OperatorAction::kEstop;
 }
 
-void OperatorDesk::Send(Action action) {
+void OperatorDesk::Send(OperatorAction action) {
   if (!commands_) return;
   msg::OperatorCommand command;
   command.header.session_id = session_id_;
   command.header.tick = tick_;
   command.header.stamp_ns = stamp_ns_;
   command.header.origin = origin_;
-  command.action = MessageOf(action);
+  command.action = action;
   command.reason = kReason;
   if (commands_->Write(command) != node::WriteStatus::kOk) {
     spdlog::warn("{} could not be written; it is repeated", NameOf(action));

@@ -23,8 +23,8 @@ class OperatorDesk {
   // may not command it goes on, and its estop is by sockets alone.
   OperatorDesk(node::Node& node, std::vector<std::filesystem::path> sockets);
 
-  // Any thread. Empty, or why not.
-  std::string Ask(Action action);
+  // Any thread. action: as PendingAction::Ask. Empty, or why not.
+  std::string Ask(OperatorAction action);
   // Hears the robot and sends what is due; waits at most 500 ms, for a socket's answer.
   void Step(std::int64_t now_ns);
 
@@ -36,7 +36,7 @@ class OperatorDesk {
 
  private:
   void PressSockets(std::int64_t now_ns);
-  void Send(Action action);
+  void Send(OperatorAction action);
 
   node::Node& node_;
   const std::vector<std::filesystem::path> sockets_;
@@ -45,8 +45,8 @@ class OperatorDesk {
   std::optional<node::Writer<msg::OperatorCommand>> commands_;  // none: DDS security refuses it
   std::string why_not_;                                         // then
   std::mutex mutex_;
-  std::optional<Action> asked_;  // guarded: since the last Step
-  bool estop_pending_ = false;   // guarded
+  std::optional<OperatorAction> asked_;  // guarded: since the last Step
+  bool estop_pending_ = false;           // guarded
   PendingAction action_;
   std::optional<RobotState> robot_;
   types::Fault fault_;

@@ -9,24 +9,22 @@ namespace sinew::live {
 namespace {
 
 struct ActionRule {
-  Action action;
-  const char* name;
+  OperatorAction action;
   std::vector<RobotState>
       reached;  // states that mean it was done, as `sinew arm` and so on have them
   bool needs_session;
   bool given_up;  // after kLimit_ns
 };
 
-const ActionRule& RuleOf(Action action) {
+const ActionRule& RuleOf(OperatorAction action) {
   static const std::array<ActionRule, 4> kRules = {{
-      {Action::kDisarm,
-       "disarm",
+      {OperatorAction::kDisarm,
        {RobotState::kDisarmed, RobotState::kFault, RobotState::kEstopped},
        false,
        true},
-      {Action::kArm, "arm", {RobotState::kArmed, RobotState::kDamped}, true, true},
-      {Action::kEstop, "estop", {RobotState::kEstopped}, false, false},
-      {Action::kReset, "reset", {RobotState::kDisarmed}, true, true},
+      {OperatorAction::kArm, {RobotState::kArmed, RobotState::kDamped}, true, true},
+      {OperatorAction::kEstop, {RobotState::kEstopped}, false, false},
+      {OperatorAction::kReset, {RobotState::kDisarmed}, true, true},
   }};
   return *std::find_if(kRules.begin(), kRules.end(),
                        [action](const ActionRule& rule) { return rule.action == action; });
@@ -34,10 +32,9 @@ const ActionRule& RuleOf(Action action) {
 
 }  // namespace
 
-const char* NameOf(Action action) { return RuleOf(action).name; }
-
-bool PendingAction::Ask(Action action, std::int64_t now_ns) {
-  if (pending_ && report_->action == Action::kEstop && action != Action::kEstop) return false;
+bool PendingAction::Ask(OperatorAction action, std::int64_t now_ns) {
+  if (pending_ && report_->action == OperatorAction::kEstop && action != OperatorAction::kEstop)
+    return false;
   report_ = Report{action, false, {}};
   pending_ = true;
   sent_ = false;
@@ -45,7 +42,8 @@ bool PendingAction::Ask(Action action, std::int64_t now_ns) {
   return true;
 }
 
-std::optional<Action> PendingAction::Due(std::optional<RobotState> robot, std::int64_t now_ns) {
+std::optional<OperatorAction> PendingAction::Due(std::optional<RobotState> robot,
+                                                 std::int64_t now_ns) {
   if (!pending_) return std::nullopt;
   const ActionRule& rule = RuleOf(report_->action);
   // The robot's state from before the first sending is no answer to it.

@@ -6,6 +6,8 @@
 // are for the session that is heard, so they are not sent before one is. Pure; not synchronized.
 #pragma once
 
+#include <sinew_idl/operator.h>
+
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -14,27 +16,25 @@
 
 namespace sinew::live {
 
-enum class Action { kDisarm, kArm, kEstop, kReset };
+using msg::OperatorAction;
 using types::RobotState;
-
-const char* NameOf(Action action);
 
 class PendingAction {
  public:
   static constexpr std::int64_t kRepeat_ns = 100'000'000;
   static constexpr std::int64_t kLimit_ns = 5'000'000'000;
 
-  // False: an estop is not confirmed yet.
-  bool Ask(Action action, std::int64_t now_ns);
+  // action: disarm, arm, estop or reset. False: an estop is not confirmed yet.
+  bool Ask(OperatorAction action, std::int64_t now_ns);
   // robot: what it says now; nothing: not heard. An action: send it now.
-  std::optional<Action> Due(std::optional<RobotState> robot, std::int64_t now_ns);
+  std::optional<OperatorAction> Due(std::optional<RobotState> robot, std::int64_t now_ns);
   // Reached, or refused for good, as somebody else than the robot's state says.
   void End(bool done, const std::string& why);
 
   bool pending() const { return pending_; }
   // Report of the last action that was asked for; nothing: none yet.
   struct Report {
-    Action action{};
+    OperatorAction action{};
     bool done = false;
     std::string why;  // neither done nor pending: why not
   };

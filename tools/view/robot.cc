@@ -67,11 +67,11 @@ Robot::Robot(const fs::path& urdf) {
   const fs::path own = fs::canonical(urdf).parent_path();
   const fs::path package = PackageOf(own);
   std::set<std::string> left_out;
-  for (const TiXmlElement* element : arm::ElementsIn(*document.RootElement())) {
+  for (TiXmlElement* element : arm::ElementsIn(*document.RootElement())) {
     const bool is_file = element->ValueStr() == "mesh" || element->ValueStr() == "texture";
     if (!is_file || element->Attribute("filename") == nullptr) continue;
     const std::string uri = element->Attribute("filename"), name = NameOf(uri);
-    const_cast<TiXmlElement*>(element)->SetAttribute("filename", name.c_str());
+    element->SetAttribute("filename", name.c_str());
     if (meshes_.contains(name) || left_out.contains(name)) continue;
     fs::path file = FileInPackage(name, own, package);
     if (file.empty() && uri.starts_with(kPackage)) {  // a folder of another name

@@ -190,10 +190,6 @@ void Move(const std::string& interface, const OpenNetwork& from, const OpenNetwo
   if ((flags->ifr_flags & IFF_UP) != 0) to.SetUp(interface);
 }
 
-}  // namespace
-
-namespace {
-
 std::vector<Holder> HoldersOfAll() {
   std::vector<Holder> out;
   std::error_code ignored;

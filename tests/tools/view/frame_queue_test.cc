@@ -115,31 +115,32 @@ constexpr std::int64_t kMs = 1'000'000;
 
 TEST(PendingAction, AnEstopIsRepeatedUntilTheRobotHasStopped) {
   PendingAction action;
-  ASSERT_TRUE(action.Ask(Action::kEstop, 0));
-  EXPECT_EQ(action.Due(std::nullopt, 0), Action::kEstop) << "nobody need be heard";
+  ASSERT_TRUE(action.Ask(OperatorAction::kEstop, 0));
+  EXPECT_EQ(action.Due(std::nullopt, 0), OperatorAction::kEstop) << "nobody need be heard";
   EXPECT_EQ(action.Due(RobotState::kArmed, 50 * kMs), std::nullopt);
-  EXPECT_EQ(action.Due(RobotState::kArmed, 100 * kMs), Action::kEstop);
-  EXPECT_EQ(action.Due(RobotState::kArmed, 60'000 * kMs), Action::kEstop) << "never given up";
-  EXPECT_FALSE(action.Ask(Action::kArm, 60'000 * kMs));
+  EXPECT_EQ(action.Due(RobotState::kArmed, 100 * kMs), OperatorAction::kEstop);
+  EXPECT_EQ(action.Due(RobotState::kArmed, 60'000 * kMs), OperatorAction::kEstop)
+      << "never given up";
+  EXPECT_FALSE(action.Ask(OperatorAction::kArm, 60'000 * kMs));
   EXPECT_EQ(action.Due(RobotState::kEstopped, 60'050 * kMs), std::nullopt);
   EXPECT_FALSE(action.pending());
   EXPECT_TRUE(action.report()->done);
-  EXPECT_TRUE(action.Ask(Action::kReset, 60'100 * kMs));
+  EXPECT_TRUE(action.Ask(OperatorAction::kReset, 60'100 * kMs));
 }
 
 TEST(PendingAction, AnEstopTakesThePlaceOfAnArm) {
   PendingAction action;
-  ASSERT_TRUE(action.Ask(Action::kArm, 0));
-  EXPECT_EQ(action.Due(RobotState::kDisarmed, 0), Action::kArm);
-  ASSERT_TRUE(action.Ask(Action::kEstop, 10 * kMs));
-  EXPECT_EQ(action.Due(RobotState::kDisarmed, 10 * kMs), Action::kEstop);
+  ASSERT_TRUE(action.Ask(OperatorAction::kArm, 0));
+  EXPECT_EQ(action.Due(RobotState::kDisarmed, 0), OperatorAction::kArm);
+  ASSERT_TRUE(action.Ask(OperatorAction::kEstop, 10 * kMs));
+  EXPECT_EQ(action.Due(RobotState::kDisarmed, 10 * kMs), OperatorAction::kEstop);
 }
 
 TEST(PendingAction, ArmWaitsForASessionAndIsGivenUp) {
   PendingAction action;
-  ASSERT_TRUE(action.Ask(Action::kArm, 0));
+  ASSERT_TRUE(action.Ask(OperatorAction::kArm, 0));
   EXPECT_EQ(action.Due(std::nullopt, 0), std::nullopt);
-  EXPECT_EQ(action.Due(RobotState::kFault, 10 * kMs), Action::kArm);
+  EXPECT_EQ(action.Due(RobotState::kFault, 10 * kMs), OperatorAction::kArm);
   EXPECT_EQ(action.Due(RobotState::kFault, 5000 * kMs), std::nullopt);
   EXPECT_FALSE(action.pending());
   EXPECT_FALSE(action.report()->done);
@@ -148,8 +149,8 @@ TEST(PendingAction, ArmWaitsForASessionAndIsGivenUp) {
 
 TEST(PendingAction, WhatTheRobotSaidBeforeTheFirstSendingIsNoAnswer) {
   PendingAction action;
-  ASSERT_TRUE(action.Ask(Action::kDisarm, 0));
-  EXPECT_EQ(action.Due(RobotState::kDisarmed, 0), Action::kDisarm);
+  ASSERT_TRUE(action.Ask(OperatorAction::kDisarm, 0));
+  EXPECT_EQ(action.Due(RobotState::kDisarmed, 0), OperatorAction::kDisarm);
   EXPECT_EQ(action.Due(RobotState::kDisarmed, 1 * kMs), std::nullopt);
   EXPECT_TRUE(action.report()->done);
 }

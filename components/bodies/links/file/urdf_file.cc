@@ -267,7 +267,7 @@ void RequireFewLinks(const TiXmlElement& robot, const Where& where) {
 }
 
 // urdfdom leaves out what stands inside of elements that it does not know.
-void RefuseXacro(const TiXmlElement& robot, const std::string& file) {
+void RefuseXacro(TiXmlElement& robot, const std::string& file) {
   for (const TiXmlElement* e : ElementsIn(robot)) {
     if (!e->ValueStr().starts_with("xacro:")) continue;
     throw UsageError(file + ":" + std::to_string(e->Row()) + ": '" + e->ValueStr() +

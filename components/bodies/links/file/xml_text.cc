@@ -101,10 +101,9 @@ void ParseXml(const std::string& xml, const std::string& name, TiXmlDocument* do
   throw UsageError(name + ":" + std::to_string(problem.line) + ": " + problem.what);
 }
 
-std::vector<const TiXmlElement*> ElementsIn(const TiXmlElement& root) {
-  std::vector<const TiXmlElement*> elements;
-  for (const TiXmlElement* e = root.FirstChildElement(); e != nullptr;
-       e = e->NextSiblingElement()) {
+std::vector<TiXmlElement*> ElementsIn(TiXmlElement& root) {
+  std::vector<TiXmlElement*> elements;
+  for (TiXmlElement* e = root.FirstChildElement(); e != nullptr; e = e->NextSiblingElement()) {
     elements.push_back(e);
     const auto inside = ElementsIn(*e);
     elements.insert(elements.end(), inside.begin(), inside.end());

@@ -26,7 +26,7 @@ XmlProblem FindXmlProblem(std::string_view xml);
 void ParseXml(const std::string& xml, const std::string& name, TiXmlDocument* document);
 
 // All elements inside of one, in the order of the file.
-std::vector<const TiXmlElement*> ElementsIn(const TiXmlElement& root);
+std::vector<TiXmlElement*> ElementsIn(TiXmlElement& root);
 
 // "NAME:LINE: ", and "link '...': " for what is inside of one.
 std::string PlaceIn(const std::string& name, const TiXmlElement& element);
