@@ -1,5 +1,3 @@
-#include "tools/sinew/check_data.h"
-
 #include <CLI/CLI.hpp>
 #include <chrono>
 #include <filesystem>
@@ -14,6 +12,7 @@
 #include "components/model/report/file/report_file.h"
 #include "components/model/report/file/section_file.h"
 #include "tools/sinew/close_loop.h"
+#include "tools/sinew/core_commands.h"
 #include "tools/sinew/shipped.h"
 
 namespace sinew::tools {

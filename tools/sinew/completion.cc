@@ -1,5 +1,3 @@
-#include "tools/sinew/completion.h"
-
 #include <CLI/CLI.hpp>
 #include <functional>
 #include <iostream>
@@ -8,6 +6,7 @@
 #include <vector>
 
 #include "components/base/types/joined.h"
+#include "tools/sinew/core_commands.h"
 
 namespace sinew::tools {
 

@@ -1,4 +1,4 @@
-#include "tools/sinew/conform.h"
+#include "tools/conform/conform.h"
 
 #include <CLI/CLI.hpp>
 #include <iostream>
@@ -8,8 +8,8 @@
 
 #include "components/base/config/config.h"
 #include "components/base/types/json_text.h"
-#include "tools/conform/conform.h"
 #include "tools/launch/find_program.h"
+#include "tools/sinew/core_commands.h"
 #include "tools/sinew/node_options.h"
 
 namespace sinew::tools {

@@ -1,5 +1,3 @@
-#include "tools/sinew/doctor.h"
-
 #include <sinew_idl/status.h>
 #include <unistd.h>
 
@@ -31,6 +29,7 @@
 #include "tools/inspect/peer_checks.h"
 #include "tools/inspect/run_tool.h"
 #include "tools/inspect/shared_memory.h"
+#include "tools/sinew/core_commands.h"
 #include "tools/sinew/node_options.h"
 
 namespace sinew::tools {

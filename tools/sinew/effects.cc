@@ -1,5 +1,3 @@
-#include "tools/sinew/effects.h"
-
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <iomanip>
@@ -11,6 +9,7 @@
 #include "components/base/types/joined.h"
 #include "components/base/types/json_text.h"
 #include "components/model/effects/effect.h"
+#include "tools/sinew/core_commands.h"
 
 namespace sinew::tools {
 

@@ -1,4 +1,4 @@
-#include "tools/sinew/graph.h"
+#include "tools/inspect/graph.h"
 
 #include <sinew_idl/status.h>
 
@@ -20,8 +20,8 @@
 #include "components/topics/node/endpoint.h"
 #include "components/topics/node/node.h"
 #include "components/topics/node/time_option.h"
-#include "tools/inspect/graph.h"
 #include "tools/inspect/run_tool.h"
+#include "tools/sinew/core_commands.h"
 #include "tools/sinew/node_options.h"
 
 namespace sinew::tools {

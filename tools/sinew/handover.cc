@@ -1,5 +1,3 @@
-#include "tools/sinew/handover.h"
-
 #include <sinew_idl/joint.h>
 #include <sinew_idl/operator.h>
 #include <sinew_idl/status.h>
@@ -22,6 +20,7 @@
 #include "components/topics/node/node.h"
 #include "components/topics/node/ownership.h"
 #include "components/topics/node/time_option.h"
+#include "tools/sinew/core_commands.h"
 #include "tools/sinew/node_options.h"
 
 namespace sinew::tools {

@@ -1,5 +1,3 @@
-#include "tools/sinew/hz.h"
-
 #include <CLI/CLI.hpp>
 #include <chrono>
 #include <cstdio>
@@ -22,6 +20,7 @@
 #include "components/topics/node/node.h"
 #include "components/topics/node/time_option.h"
 #include "tools/inspect/rate_meter.h"
+#include "tools/sinew/core_commands.h"
 #include "tools/sinew/node_options.h"
 #include "tools/sinew/printed.h"
 

@@ -1,4 +1,4 @@
-#include "tools/sinew/import.h"
+#include "components/record/recording/file/import.h"
 
 #include <CLI/CLI.hpp>
 #include <iostream>
@@ -11,8 +11,8 @@
 #include "components/base/config/config.h"
 #include "components/base/types/json_text.h"
 #include "components/base/types/printable.h"
-#include "components/record/recording/file/import.h"
 #include "components/topics/node/topics.h"
+#include "tools/sinew/core_commands.h"
 #include "tools/sinew/progress.h"
 
 namespace sinew::tools {

@@ -1,5 +1,3 @@
-#include "tools/sinew/isolate.h"
-
 #include <pthread.h>
 #include <unistd.h>
 
@@ -18,6 +16,7 @@
 #include "components/base/config/config.h"
 #include "components/topics/isolation/isolation.h"
 #include "components/topics/node/systemd_link.h"
+#include "tools/sinew/core_commands.h"
 
 namespace sinew::tools {
 

@@ -1,5 +1,3 @@
-#include "tools/sinew/launch.h"
-
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
@@ -17,6 +15,7 @@
 #include "components/topics/node/node.h"
 #include "tools/launch/deployment.h"
 #include "tools/launch/launcher.h"
+#include "tools/sinew/core_commands.h"
 #include "tools/sinew/printed.h"
 
 namespace sinew::tools {

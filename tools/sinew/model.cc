@@ -1,4 +1,4 @@
-#include "tools/sinew/model.h"
+#include "components/model/actuator/model.h"
 
 #include <CLI/CLI.hpp>
 #include <filesystem>
@@ -10,8 +10,8 @@
 
 #include "components/base/types/json_text.h"
 #include "components/model/actuator/file/model_file.h"
-#include "components/model/actuator/model.h"
 #include "components/model/effects/effect.h"
+#include "tools/sinew/core_commands.h"
 
 namespace sinew::tools {
 

@@ -1,5 +1,3 @@
-#include "tools/sinew/new.h"
-
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
@@ -13,6 +11,7 @@
 #include "components/record/recording/csv_map.h"
 #include "components/record/recording/file/csv_map_file.h"
 #include "tools/new_bench/propose.h"
+#include "tools/sinew/core_commands.h"
 
 namespace sinew::tools {
 

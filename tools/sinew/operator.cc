@@ -1,5 +1,3 @@
-#include "tools/sinew/operator.h"
-
 #include <sinew_idl/joint.h>
 #include <sinew_idl/operator.h>
 #include <sinew_idl/status.h>
@@ -24,6 +22,7 @@
 #include "components/topics/isolation/isolation.h"
 #include "components/topics/node/node.h"
 #include "components/topics/node/time_option.h"
+#include "tools/sinew/core_commands.h"
 #include "tools/sinew/node_options.h"
 
 namespace sinew::tools {

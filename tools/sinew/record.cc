@@ -1,4 +1,4 @@
-#include "tools/sinew/record.h"
+#include "components/record/logger/participant/record.h"
 
 #include <CLI/CLI.hpp>
 #include <iostream>
@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "components/base/types/json_text.h"
-#include "components/record/logger/participant/record.h"
+#include "tools/sinew/core_commands.h"
 #include "tools/sinew/node_options.h"
 #include "tools/sinew/progress.h"
 

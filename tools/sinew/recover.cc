@@ -1,5 +1,3 @@
-#include "tools/sinew/recover.h"
-
 #include <CLI/CLI.hpp>
 #include <filesystem>
 #include <iostream>
@@ -11,6 +9,7 @@
 #include "components/record/recording/file/file_io.h"
 #include "components/record/recording/mcap_reader.h"
 #include "components/record/recording/mcap_recover.h"
+#include "tools/sinew/core_commands.h"
 
 namespace sinew::tools {
 

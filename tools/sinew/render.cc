@@ -1,5 +1,3 @@
-#include "tools/sinew/render.h"
-
 #include <CLI/CLI.hpp>
 #include <iostream>
 #include <memory>
@@ -9,6 +7,7 @@
 #include "sim/render/file/film.h"
 #include "sim/render/file/recorded_poses.h"
 #include "sim/render/file/scene_file.h"
+#include "tools/sinew/core_commands.h"
 
 namespace sinew::tools {
 

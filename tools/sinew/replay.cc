@@ -1,5 +1,3 @@
-#include "tools/sinew/replay.h"
-
 #include <sys/ioctl.h>
 #include <unistd.h>
 
@@ -13,6 +11,7 @@
 
 #include "components/base/types/json_text.h"
 #include "components/record/logger/player/participant/play.h"
+#include "tools/sinew/core_commands.h"
 #include "tools/sinew/node_options.h"
 #include "tools/sinew/printed.h"
 #include "tools/sinew/replay_screen.h"

@@ -1,5 +1,3 @@
-#include "tools/sinew/replay_control.h"
-
 #include <CLI/CLI.hpp>
 #include <chrono>
 #include <iostream>
@@ -13,6 +11,7 @@
 #include "components/base/types/json_text.h"
 #include "components/record/logger/player/control_socket.h"
 #include "components/record/logger/player/play_control.h"
+#include "tools/sinew/core_commands.h"
 
 namespace sinew::tools {
 

@@ -1,5 +1,3 @@
-#include "tools/sinew/score.h"
-
 #include <CLI/CLI.hpp>
 #include <iomanip>
 #include <iostream>
@@ -13,6 +11,7 @@
 #include "components/base/types/seconds.h"
 #include "components/record/recording/file/run_reader.h"
 #include "components/topics/node/time_option.h"
+#include "tools/sinew/core_commands.h"
 #include "tools/tracking/tracking.h"
 
 namespace sinew::tools {

@@ -1,4 +1,4 @@
-#include "tools/sinew/verify.h"
+#include "tools/verify/verify.h"
 
 #include <CLI/CLI.hpp>
 #include <chrono>
@@ -15,10 +15,10 @@
 #include "components/robot/pneumatics/file/pneumatics_file.h"
 #include "components/robot/reference/file/reference_file.h"
 #include "sim/surrogate/file/surrogate_file.h"
+#include "tools/sinew/core_commands.h"
 #include "tools/sinew/print_section.h"
 #include "tools/sinew/progress.h"
 #include "tools/sinew/shipped.h"
-#include "tools/verify/verify.h"
 
 namespace sinew::tools {
 namespace {
