@@ -77,7 +77,7 @@ std::uint16_t CrcBytes(std::uint16_t crc, std::uint8_t byte) {
   return static_cast<std::uint16_t>((crc << 8 & 0x7FFF) ^ kCrcOfByte[(crc >> 7 ^ byte) & 0xFF]);
 }
 
-// Of the bits in front of it, unstuffed.
+// CRC of the bits in front of it, unstuffed.
 std::uint16_t CrcOf(const Frame& frame, const HeaderBits& header) {
   std::uint16_t crc = 0;
   // Dominant bits in front of the first change nothing.

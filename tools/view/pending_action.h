@@ -6,17 +6,16 @@
 // are for the session that is heard, so they are not sent before one is. Pure; not synchronized.
 #pragma once
 
-#include <sinew_idl/operator.h>
-
 #include <cstdint>
 #include <optional>
 #include <string>
 
+#include "components/base/types/operator_action.h"
 #include "components/base/types/robot_state.h"
 
 namespace sinew::live {
 
-using msg::OperatorAction;
+using types::OperatorAction;
 using types::RobotState;
 
 class PendingAction {
