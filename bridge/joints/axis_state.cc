@@ -4,7 +4,6 @@
 #include <cstdio>
 
 #include "components/base/types/angle.h"
-#include "components/base/types/control_mode.h"
 
 namespace sinew::bridge {
 namespace {

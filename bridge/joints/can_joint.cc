@@ -6,7 +6,6 @@
 
 #include "bridge/joints/limiter.h"
 #include "components/base/types/angle.h"
-#include "components/base/types/control_mode.h"
 
 namespace sinew::bridge {
 namespace {

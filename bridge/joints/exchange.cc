@@ -1,7 +1,6 @@
 #include "bridge/joints/exchange.h"
 
 #include "components/base/types/angle.h"
-#include "components/base/types/control_mode.h"
 
 namespace sinew::bridge {
 namespace {

@@ -1,6 +1,5 @@
 #include "bridge/joints/joint_config.h"
 
-#include <array>
 #include <cstdio>
 #include <set>
 #include <span>

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <string>
 
-#include "components/base/types/control_mode.h"
 #include "components/base/types/require.h"
 #include "sim/plant/friction.h"
 

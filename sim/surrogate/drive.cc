@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <stdexcept>
 
-#include "components/base/types/control_mode.h"
-
 namespace sinew::surrogate {
 
 Drive::Drive(const DriveParameters& parameters)

@@ -23,7 +23,6 @@ struct Air {
   static constexpr double kGasConstant_J_kgK = 287.05;
   static constexpr double kCv_J_kgK = 717.6;
   static constexpr double kCp_J_kgK = kCv_J_kgK + kGasConstant_J_kgK;
-  static constexpr double kReferencePressure_Pa = 1e5;
   static constexpr double kReferenceTemperature_K = 293.15;
   static constexpr double kReferenceDensity_kg_m3 = 1.1884;
 };

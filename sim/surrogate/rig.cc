@@ -538,12 +538,9 @@ RigTruth Rig::truth() const noexcept {
   t.friction_torque_Nm = friction_Nm_;
   t.yield_torque_Nm = output_friction_.yield_Nm();
   t.pneumatic_torque_Nm = pneumatic_Nm_;
-  t.undeclared_output_Nm = undeclared_output_Nm_;
-  t.undeclared_rotor_Nm = undeclared_rotor_Nm_;
   const double atmosphere_Pa = parameters_.pneumatics.atmosphere_Pa;
   t.chamber_pressure_bar = (chamber_.pressure_Pa() - atmosphere_Pa) / kPaPerBar;
   t.reservoir_pressure_bar = (reservoir_.pressure_Pa() - atmosphere_Pa) / kPaPerBar;
-  t.chamber_temperature_K = chamber_.temperature_K();
   t.chamber_volume_m3 = chamber_.volume_m3();
   t.chamber_mass_kg = chamber_.mass_kg();
   t.payload_kg = payload_kg_;

@@ -63,11 +63,8 @@ struct RigTruth {
   double friction_torque_Nm = 0.0;  // on the output
   double yield_torque_Nm = 0.0;     // output friction that would have to be overcome now
   double pneumatic_torque_Nm = 0.0;
-  double undeclared_output_Nm = 0.0;
-  double undeclared_rotor_Nm = 0.0;
   double chamber_pressure_bar = 0.0;  // gauge
   double reservoir_pressure_bar = 0.0;
-  double chamber_temperature_K = 0.0;
   double chamber_volume_m3 = 0.0;
   double chamber_mass_kg = 0.0;
   double payload_kg = 0.0;  // declared, put on and undeclared

@@ -1,7 +1,6 @@
 #include "sim/surrogate/undeclared.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numbers>
 #include <stdexcept>

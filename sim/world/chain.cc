@@ -3,7 +3,6 @@
 #include <stdexcept>
 #include <string>
 
-#include "components/base/types/joints.h"
 #include "sim/world/multi_body.h"
 
 namespace sinew::world {

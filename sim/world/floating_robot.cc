@@ -1,7 +1,6 @@
 #include "sim/world/floating_robot.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <span>
 #include <stdexcept>

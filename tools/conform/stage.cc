@@ -5,7 +5,6 @@
 #include <stdexcept>
 #include <utility>
 
-#include "components/topics/node/endpoint.h"
 #include "components/topics/node/ownership.h"
 
 namespace sinew::conform {

@@ -1,7 +1,6 @@
 #include "tools/export_recording/tables.h"
 
 #include <algorithm>
-#include <map>
 
 #include "components/base/config/config.h"
 #include "components/record/recording/cdr.h"

@@ -11,7 +11,6 @@
 #include "components/base/config/config.h"
 #include "components/topics/isolation/isolation.h"
 #include "tools/launch/deployment_files.h"
-#include "tools/launch/hosts.h"
 #include "tools/roles/roles.h"
 
 namespace sinew::launch {

@@ -1,4 +1,5 @@
-// `sinew rerun`: components of a recording run again, and compared with it.
+// `sinew rerun`: components of a recording run again, and compared with it. `sinew snapshot`: asks
+// components for their state, for a recorder.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -6,5 +7,6 @@
 namespace sinew::rerun {
 
 void AddRerunCommand(CLI::App& app);
+void AddSnapshotCommand(CLI::App& app);
 
 }  // namespace sinew::rerun

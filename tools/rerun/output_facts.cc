@@ -1,8 +1,6 @@
 #include "tools/rerun/output_facts.h"
 
 #include <array>
-#include <cstdint>
-#include <string>
 #include <string_view>
 
 #include "tools/rerun/stage.h"

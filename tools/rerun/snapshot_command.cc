@@ -1,5 +1,3 @@
-#include "tools/rerun/snapshot_command.h"
-
 #include <sinew_idl/joint.h>
 #include <sinew_idl/snapshot.h>
 
@@ -15,6 +13,7 @@
 #include "components/base/config/config.h"
 #include "components/topics/node/node.h"
 #include "components/topics/node/time_option.h"
+#include "tools/rerun/command.h"
 #include "tools/sinew/node_options.h"
 
 namespace sinew::rerun {

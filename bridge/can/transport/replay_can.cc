@@ -7,7 +7,6 @@
 
 #include "bridge/can/bit_timing.h"
 #include "components/base/config/config.h"
-#include "components/base/types/clock/clock.h"
 
 namespace sinew::can {
 

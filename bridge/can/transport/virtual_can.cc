@@ -14,7 +14,6 @@
 #include "bridge/can/bus_model.h"
 #include "bridge/can/transport/bus_protocol.h"
 #include "components/base/config/config.h"
-#include "components/base/types/clock/clock.h"
 
 namespace sinew::can {
 namespace {

@@ -4,9 +4,6 @@
 #include <stdexcept>
 #include <string>
 
-#include "components/base/types/joints.h"
-#include "components/base/types/regime.h"
-
 namespace sinew::esn {
 namespace {
 

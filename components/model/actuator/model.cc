@@ -1,7 +1,6 @@
 #include "components/model/actuator/model.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <stdexcept>
 

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "components/base/types/control_mode.h"
-
 namespace sinew::experiment {
 namespace {
 

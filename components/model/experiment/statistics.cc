@@ -62,8 +62,6 @@ TrialFit FitTrials(const Eigen::Ref<const Eigen::MatrixXd>& X,
   TrialFit fit;
   fit.trials = trials;
   const Eigen::VectorXd b = all_G.completeOrthogonalDecomposition().solve(all_m);
-  fit.residual_sd = std::sqrt((y - scaled * b).squaredNorm() /
-                              std::max<double>(1.0, static_cast<double>(X.rows() - p)));
   Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(p, p);
   for (std::size_t t = 0; t < n; ++t) {
     const Eigen::MatrixXd rest = all_G - G[t];

@@ -31,7 +31,6 @@ struct TrialFit {
   Eigen::VectorXd b;
   Eigen::MatrixXd covariance;
   int trials = 0;
-  double residual_sd = 0.0;
 
   Estimate At(Eigen::Index i) const;
   // Estimate of a function of b with this gradient.

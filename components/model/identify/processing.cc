@@ -421,7 +421,6 @@ StateSet MakeStates(const std::vector<types::Run>& runs, const actuator::JointMo
     out.rigid_mean = run.rigid_mean;
     out.rigid_spread = run.rigid_spread;
     out.run_names.push_back(run.name);
-    out.run_hashes.push_back(run.content_hash);
     if (first) out.rate_Hz = uniform.sampling.rate_Hz;
     for (std::size_t number = 0; number < uniform.segments.size(); ++number) {
       out.segments.push_back(

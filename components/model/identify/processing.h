@@ -58,7 +58,6 @@ struct StateSegment {
 struct StateSet {
   std::vector<StateSegment> segments;
   std::vector<std::string> run_names;
-  std::vector<std::string> run_hashes;
   std::set<std::string> measured;            // fields of JointSample that the recordings provide
   double rate_Hz = 0.0;                      // of the first run
   Eigen::VectorXd rigid_mean, rigid_spread;  // of segments' rigid_columns (Run)

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
-#include <string>
 #include <utility>
 
 #include "components/base/types/median.h"
@@ -206,7 +205,6 @@ UniformRun MakeUniform(const types::Run& run, double longest_gap_s, int fewest_r
   const Eigen::VectorXd steps = time.tail(time.size() - 1) - time.head(time.size() - 1);
   const double median = types::UpperMedian(std::vector<double>(steps.begin(), steps.end()));
   UniformRun out;
-  out.sampling.longest_step_s = steps.maxCoeff();
   out.sampling.even = true;
   const double gap = std::max(longest_gap_s, 4.0 * median);
 

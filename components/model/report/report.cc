@@ -5,7 +5,6 @@
 
 #include "components/base/types/joined.h"
 #include "components/model/report/errors.h"
-#include "components/model/report/section.h"
 #include "components/model/trace/rules.h"
 
 namespace sinew::report {

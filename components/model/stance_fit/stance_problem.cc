@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "components/model/trace/candidates.h"
-#include "components/model/trace/problem.h"
 #include "components/model/trace/set_search.h"
 #include "components/model/trace/used_rows.h"
 #include "components/model/trace/whitened_fit.h"

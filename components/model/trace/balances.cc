@@ -5,7 +5,6 @@
 #include <map>
 #include <utility>
 
-#include "components/model/identify/design.h"
 #include "components/model/identify/gas.h"
 #include "components/model/identify/kinematic.h"
 #include "components/model/identify/statistics.h"

@@ -6,7 +6,6 @@
 
 #include "components/model/identify/statistics.h"
 #include "components/model/trace/nuisances.h"
-#include "components/model/trace/rules.h"
 
 namespace sinew::trace {
 

@@ -5,7 +5,6 @@
 
 #include "components/model/identify/balance.h"
 #include "components/model/trace/problem.h"
-#include "components/model/trace/rules.h"
 
 namespace sinew::trace {
 

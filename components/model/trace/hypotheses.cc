@@ -13,7 +13,6 @@
 #include "components/model/trace/nuisances.h"
 #include "components/model/trace/order_spectrum.h"
 #include "components/model/trace/range.h"
-#include "components/model/trace/rules.h"
 
 namespace sinew::trace {
 

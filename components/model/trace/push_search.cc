@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "components/model/identify/statistics.h"
-#include "components/model/trace/rules.h"
 
 namespace sinew::trace {
 

@@ -1,7 +1,5 @@
 #include "components/record/logger/message_ring.h"
 
-#include <utility>
-
 namespace sinew::logger {
 
 void MessageRing::Push(RecordedMessage message) {

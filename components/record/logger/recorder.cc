@@ -1,7 +1,6 @@
 #include "components/record/logger/recorder.h"
 
 #include <algorithm>
-#include <utility>
 
 namespace sinew::logger {
 

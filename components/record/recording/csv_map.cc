@@ -9,7 +9,6 @@
 
 #include "components/base/types/fnv1a.h"
 #include "components/base/types/seconds.h"
-#include "components/record/recording/csv.h"
 #include "components/record/recording/signal_fields.h"
 
 namespace sinew::recording {

@@ -4,7 +4,6 @@
 #include <bit>
 #include <charconv>
 #include <stdexcept>
-#include <vector>
 
 #include "components/base/types/joints.h"
 #include "components/base/types/median.h"

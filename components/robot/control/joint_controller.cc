@@ -1,11 +1,9 @@
 #include "components/robot/control/joint_controller.h"
 
-#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
 #include "components/base/types/control_mode.h"
-#include "components/base/types/regime.h"
 #include "components/base/types/require.h"
 #include "components/robot/reference/blend.h"
 

@@ -71,7 +71,6 @@ RobotPerformanceOutput RobotPerformance::Step(std::uint64_t tick,
   output.lifting_known = has_height_;
   output.rise_m = lifting_->rise_m();
   output.lifting_J = lifting_->work_J();
-  output.height_lost = lifting_->lost();
   return output;
 }
 

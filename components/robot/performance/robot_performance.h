@@ -45,7 +45,6 @@ struct RobotPerformanceOutput {
       false;  // the mass is known and there was a height; the next two are 0 otherwise
   double rise_m = 0.0;
   double lifting_J = 0.0;
-  std::uint64_t height_lost = 0;  // ticks without a height
 };
 
 class RobotPerformance {

@@ -6,7 +6,6 @@
 #include <string>
 
 #include "components/base/types/command_rule.h"
-#include "components/base/types/robot_state.h"
 
 namespace sinew::provider {
 

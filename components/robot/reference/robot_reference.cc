@@ -5,8 +5,6 @@
 #include <stdexcept>
 #include <string>
 
-#include "components/base/types/joints.h"
-
 namespace sinew::reference {
 
 bool AllFinite(const RobotReferenceOutput& output) noexcept {

@@ -5,8 +5,6 @@
 #include <stdexcept>
 #include <string>
 
-#include "components/base/types/regime.h"
-
 namespace sinew::regime {
 namespace {
 

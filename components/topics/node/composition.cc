@@ -6,7 +6,6 @@
 #include "components/base/types/clock/clock.h"
 #include "components/topics/node/node_impl.h"
 #include "components/topics/node/reader_impl.h"
-#include "components/topics/node/topics.h"
 #include "components/topics/node/writer_impl.h"
 
 namespace sinew::node {

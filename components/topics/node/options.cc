@@ -9,7 +9,6 @@
 #include <csignal>
 #include <cstdlib>
 #include <iostream>
-#include <string>
 
 #include "components/base/types/printable.h"
 #include "components/topics/isolation/isolation.h"

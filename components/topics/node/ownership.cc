@@ -1,6 +1,5 @@
 #include "components/topics/node/ownership.h"
 
-#include <algorithm>
 #include <limits>
 #include <ratio>
 

@@ -1,7 +1,6 @@
 #include "sim/world/file/world_file.h"
 
 #include <algorithm>
-#include <memory>
 #include <stdexcept>
 
 #include "components/base/types/joined.h"

@@ -4,7 +4,6 @@
 #include <limits>
 
 #include "components/base/types/joints.h"
-#include "components/base/types/regime.h"
 
 namespace sinew::esn {
 namespace {

@@ -9,8 +9,6 @@
 #include <stdexcept>
 #include <vector>
 
-#include "components/base/config/config.h"
-
 namespace sinew::logger {
 
 namespace fs = std::filesystem;

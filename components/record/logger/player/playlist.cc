@@ -1,9 +1,7 @@
 #include "components/record/logger/player/playlist.h"
 
-#include <algorithm>
 #include <cmath>
 #include <regex>
-#include <set>
 #include <stdexcept>
 
 #include "components/base/types/robot_state.h"
