@@ -2,6 +2,7 @@
 
 #include <stdexcept>
 
+#include "components/base/types/printable.h"
 #include "components/topics/node/names.h"
 #include "tools/roles/roles.h"
 
@@ -30,29 +31,6 @@ std::string TopicRule(const std::string& expression, const char* payload) {
          payload + "</data_protection_kind></topic_rule>\n";
 }
 
-std::string Escaped(const std::string& text) {
-  std::string out;
-  for (const char c : text) {
-    switch (c) {
-      case '&':
-        out += "&amp;";
-        break;
-      case '<':
-        out += "&lt;";
-        break;
-      case '>':
-        out += "&gt;";
-        break;
-      case '"':
-        out += "&quot;";
-        break;
-      default:
-        out += c;
-    }
-  }
-  return out;
-}
-
 constexpr char kHead[] = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n";
 
 }  // namespace
@@ -77,8 +55,8 @@ std::string Governance(int domain_id) {
 std::string Permissions(const Grant& grant) {
   std::string topics;
   for (const std::string& topic : TopicsWrittenBy(grant.roles)) topics += Topic(topic) + "\n";
-  return std::string(kHead) + "<dds><permissions><grant name=\"" + Escaped(grant.name) + "\">\n" +
-         "<subject_name>" + Escaped(grant.subject) + "</subject_name>\n" +
+  return std::string(kHead) + "<dds><permissions><grant name=\"" + types::Entities(grant.name) +
+         "\">\n" + "<subject_name>" + types::Entities(grant.subject) + "</subject_name>\n" +
          "<validity><not_before>" + grant.not_before + "</not_before><not_after>" +
          grant.not_after + "</not_after></validity>\n" + "<allow_rule>" + Domains(grant.domain_id) +
          "<publish><topics>\n" + topics + "</topics></publish>\n" +

@@ -6,7 +6,6 @@
 #include <linux/net_tstamp.h>
 #include <net/if.h>
 #include <net/if_arp.h>
-#include <poll.h>
 #include <sys/ioctl.h>
 #include <sys/socket.h>
 #include <unistd.h>
@@ -302,10 +301,8 @@ bool SocketCan::Receive(std::chrono::nanoseconds timeout, Received* received) no
     if (left_ns <= 0) return false;
     // Without a socket: look for the interface again now and then.
     const std::int64_t wait_ns = socket_ < 0 ? std::min(left_ns, kReopenEvery_ns) : left_ns;
-    pollfd poll{socket_, POLLIN, 0};
-    const timespec wait{static_cast<time_t>(wait_ns / 1'000'000'000),
-                        static_cast<long>(wait_ns % 1'000'000'000)};
-    ::ppoll(&poll, 1, &wait, nullptr);
+    Transport* const self = this;
+    WaitForAny({&self, 1}, std::chrono::nanoseconds(wait_ns));
   }
 }
 

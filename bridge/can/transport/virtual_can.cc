@@ -69,10 +69,8 @@ bool VirtualCan::AwaitWelcome(std::int64_t give_up_ns) noexcept {
       Close();
       return false;
     }
-    pollfd poll{socket_, POLLIN, 0};
-    const timespec wait{static_cast<time_t>(left_ns / 1'000'000'000),
-                        static_cast<long>(left_ns % 1'000'000'000)};
-    ::ppoll(&poll, 1, &wait, nullptr);
+    Transport* const self = this;
+    WaitForAny({&self, 1}, std::chrono::nanoseconds(left_ns));
   }
 }
 
@@ -162,10 +160,8 @@ bool VirtualCan::Receive(std::chrono::nanoseconds timeout, Received* received) n
     const std::int64_t left_ns = give_up_ns - types::MonotonicNow_ns();
     if (left_ns <= 0) return false;
     const std::int64_t wait_ns = socket_ < 0 ? std::min(left_ns, kTryEvery_ns) : left_ns;
-    pollfd poll{socket_, POLLIN, 0};
-    const timespec wait{static_cast<time_t>(wait_ns / 1'000'000'000),
-                        static_cast<long>(wait_ns % 1'000'000'000)};
-    ::ppoll(&poll, 1, &wait, nullptr);
+    Transport* const self = this;
+    WaitForAny({&self, 1}, std::chrono::nanoseconds(wait_ns));
   }
 }
 

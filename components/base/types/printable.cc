@@ -61,4 +61,27 @@ std::string Utf8(std::string_view text) {
   return boost::nowide::utf::convert_string<char>(text.data(), text.data() + text.size());
 }
 
+std::string Entities(std::string_view text) {
+  std::string out;
+  for (const char c : text) {
+    switch (c) {
+      case '&':
+        out += "&amp;";
+        break;
+      case '<':
+        out += "&lt;";
+        break;
+      case '>':
+        out += "&gt;";
+        break;
+      case '"':
+        out += "&quot;";
+        break;
+      default:
+        out += c;
+    }
+  }
+  return out;
+}
+
 }  // namespace sinew::types

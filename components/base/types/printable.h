@@ -25,4 +25,7 @@ std::string Printable(std::string_view text, Lines lines = Lines::kOne);
 // not.
 std::string Utf8(std::string_view text);
 
+// The text with the entities of HTML and XML for &, <, > and ".
+std::string Entities(std::string_view text);
+
 }  // namespace sinew::types

@@ -112,28 +112,7 @@ Section TableSection(std::string title, std::vector<std::string> header, std::st
           .detail = detail};
 }
 
-std::string Escape(const std::string& text) {
-  std::string out;
-  for (const char c : types::Utf8(text)) {
-    switch (c) {
-      case '&':
-        out += "&amp;";
-        break;
-      case '<':
-        out += "&lt;";
-        break;
-      case '>':
-        out += "&gt;";
-        break;
-      case '"':
-        out += "&quot;";
-        break;
-      default:
-        out += c;
-    }
-  }
-  return out;
-}
+std::string Escape(const std::string& text) { return types::Entities(types::Utf8(text)); }
 
 std::string HtmlHead(const std::string& title) {
   return "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">"

@@ -163,26 +163,21 @@ void Discovery::on_participant_discovery(dds::DomainParticipant*,
 void Discovery::on_subscriber_discovery(dds::DomainParticipant* participant,
                                         rtps::ReaderDiscoveryInfo&& info) {
   Discovered(participant,
-             {false,
-              info.info.topicName().to_string(),
-              info.info.typeName().to_string(),
-              {},
-              {},
-              0,
-              TermsOf(info.info.m_qos)},
+             {.is_writer = false,
+              .topic = info.info.topicName().to_string(),
+              .type_name = info.info.typeName().to_string(),
+              .qos = TermsOf(info.info.m_qos)},
              info.info.guid(), info.status == rtps::ReaderDiscoveryInfo::REMOVED_READER);
 }
 
 void Discovery::on_publisher_discovery(dds::DomainParticipant* participant,
                                        rtps::WriterDiscoveryInfo&& info) {
   Discovered(participant,
-             {true,
-              info.info.topicName().to_string(),
-              info.info.typeName().to_string(),
-              {},
-              {},
-              info.info.m_qos.m_ownershipStrength.value,
-              TermsOf(info.info.m_qos)},
+             {.is_writer = true,
+              .topic = info.info.topicName().to_string(),
+              .type_name = info.info.typeName().to_string(),
+              .strength = info.info.m_qos.m_ownershipStrength.value,
+              .qos = TermsOf(info.info.m_qos)},
              info.info.guid(), info.status == rtps::WriterDiscoveryInfo::REMOVED_WRITER);
 }
 
