@@ -67,43 +67,79 @@ def with_diagram(path, number, lines, target):
     return [f'<div class="diagram"><a href="{name}"><img alt="Diagram {number}" src="{name}"></a></div>']
 
 
+def parts(lines):
+    """The lines of a document, one by one, but blocks of code as lists with their fences."""
+    block = []
+    for line in lines:
+        fence = FENCE.match(line)
+        if not fence and not block:
+            yield line
+            continue
+        block.append(line)
+        if fence and len(block) > 1:
+            yield block
+            block = []
+    if block:
+        yield block
+
+
+def content(block):
+    """The lines between its fences."""
+    return [line for line in block if not FENCE.match(line)]
+
+
+class Lists:
+    """Where a document is in its lists."""
+
+    def __init__(self):
+        self.inside = False
+        self.several = False  # the item has several paragraphs
+
+    def enter(self, line, below_text):
+        """Goes on to a line outside of code; below_text: the line above it is not empty. True: the page needs an empty one
+        between the two, because an item of the project may follow a paragraph directly."""
+        text = line.lstrip()
+        indent = len(line) - len(text)
+        item = bool(ITEM.match(line)) and (self.inside or indent < 4)
+        apart = item and below_text and (self.several or not self.inside)
+        self.several = not item and (self.several or not text)
+        self.inside = item or (self.inside and (not text or indent > 0 or below_text))
+        return apart
+
+
+def shown_code(block, in_list):
+    """A block of code; inside of an item it is indented instead of fenced."""
+    indent = len(FENCE.match(block[0])[1])
+    if not (in_list and indent):
+        return block
+    return ["        " + line[indent:] if line else line for line in content(block)]
+
+
+def shown_text(line, in_list, link, cited):
+    """A line outside of blocks of code."""
+    text = line.lstrip()
+    indent = len(line) - len(text)
+    if indent >= (6 if in_list else 4):  # code
+        return "  " + line if in_list else line
+    if in_list and indent:
+        line = "    " + text
+    line = LINK.sub(lambda match: match[1] + link(match[2]) + match[3], line)
+    return PATH.sub(lambda match: match[1] or cited(match[0]), line)
+
+
 def converted(path, lines, target, link, cited):
     """The lines of a document as MkDocs reads them; link(target of a link) and cited(path) are what the page has instead."""
-    out, chart, charts = [], None, 0
-    fence = None  # the indentation of the block of code
-    in_list = several = False  # several: the item has several paragraphs
-    for line in lines:
-        mark = FENCE.match(line)
-        if mark and fence is None:
-            fence = len(mark[1])
-            chart = [] if mark[2] == "mermaid" else None
-            out += [] if chart is not None or in_list and fence else [line]
-        elif mark:
-            if chart is not None:
-                charts += 1
-                out += with_diagram(path, charts, chart, target)
-            elif not (in_list and fence):
-                out.append(line)
-            fence = chart = None
-        elif chart is not None:
-            chart.append(line)
-        elif fence is not None:
-            out.append("        " + line[fence:] if in_list and fence and line else line)
+    out, charts, lists = [], 0, Lists()
+    for part in parts(lines):
+        if isinstance(part, str):
+            if lists.enter(part, below_text=bool(out and out[-1])):
+                out.append("")
+            out.append(shown_text(part, lists.inside, link, cited))
+        elif FENCE.match(part[0])[2] == "mermaid":
+            charts += 1
+            out += with_diagram(path, charts, content(part), target)
         else:
-            text = line.lstrip()
-            indent = len(line) - len(text)
-            item = ITEM.match(line) if in_list or indent < 4 else None
-            if item and (several or not in_list) and out and out[-1]:
-                out.append("")  # an item may follow a paragraph directly
-            several = not item and (several or not text)
-            in_list = bool(item) or (in_list and (not text or indent > 0 or bool(out[-1])))
-            if indent >= (6 if in_list else 4):  # code
-                out.append("  " + line if in_list else line)
-                continue
-            if in_list and indent:
-                line = "    " + text
-            line = LINK.sub(lambda match: match[1] + link(match[2]) + match[3], line)
-            out.append(PATH.sub(lambda match: match[1] or cited(match[0]), line))
+            out += shown_code(part, lists.inside)
     return out
 
 

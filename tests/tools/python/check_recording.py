@@ -1,14 +1,11 @@
 #!/usr/bin/python3
 """The module sinew_recording beside `sinew echo` and `sinew export`. Exit code 77: skipped, with the reason."""
-import argparse
 import csv
 import json
 import math
-import pathlib
 import struct
 import subprocess
 import sys
-import tempfile
 import warnings
 import zlib
 
@@ -17,6 +14,8 @@ try:
 except ImportError:
     print("SKIPPED: package: no numpy; apt-get install python3-numpy")
     sys.exit(77)
+
+import one_check
 
 # A measurement of a joint, as `sinew import` reads it: exact in binary, so that it must come back exactly.
 ROWS = [(0.25 * i, 0.5 * i, 0.25 - i) for i in range(20)]
@@ -439,17 +438,9 @@ def check_layouts(arguments, folder):
     print("both byte orders and lists in lists are read, by module and export alike")
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__)
-    for name in ("--module", "--sinew", "--sample"):
-        parser.add_argument(name, type=pathlib.Path, required=True)
-    parser.add_argument("check")
-    arguments = parser.parse_args()
-    sys.path.insert(0, str(arguments.module))
+def load():
     global Recording, RecordingError
     from sinew_recording import Recording, RecordingError
-    with tempfile.TemporaryDirectory() as folder:
-        globals()["check_" + arguments.check](arguments, pathlib.Path(folder))
 
 
-main()
+one_check.run(__doc__, load, globals())

@@ -1,12 +1,10 @@
 #!/usr/bin/python3
 """The package sinew beside the program and the files that it writes. Exit code 77: skipped, with the reason."""
-import argparse
 import gc
 import json
 import os
 import pathlib
 import sys
-import tempfile
 
 try:
     import numpy as np
@@ -14,6 +12,8 @@ try:
 except ImportError as error:
     print(f"SKIPPED: package: {error}; apt-get install python3-numpy python3-yaml")
     sys.exit(77)
+
+import one_check
 
 PROJECT = pathlib.Path(__file__).resolve().parents[3]
 EXAMPLE = PROJECT / "tests/data/rig_examples/one_effect"
@@ -303,17 +303,9 @@ def check_failures(arguments, folder):
     print("failures carry the text of the command")
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__)
-    for name in ("--module", "--sinew", "--sample"):
-        parser.add_argument(name, type=pathlib.Path, required=True)
-    parser.add_argument("check")
-    arguments = parser.parse_args()
-    sys.path.insert(0, str(arguments.module))
+def load():
     global sinew
     import sinew
-    with tempfile.TemporaryDirectory() as folder:
-        globals()["check_" + arguments.check](arguments, pathlib.Path(folder))
 
 
-main()
+one_check.run(__doc__, load, globals())
