@@ -1,11 +1,11 @@
 #include "bridge/joints/can_plant.h"
 
 #include <algorithm>
-#include <cstdio>
 #include <stdexcept>
 #include <utility>
 
 #include "components/base/types/signal.h"
+#include "components/base/types/text.h"
 
 namespace sinew::bridge {
 namespace {
@@ -117,14 +117,12 @@ void CanPlant::AwaitAllNodes() {
     if (silent == joints_.end()) return;
     const std::int64_t now = now_ns();
     if (now >= give_up_ns) {
-      char text[160];
-      std::snprintf(text, sizeof text,
-                    " within %.1f s; is it powered, on bus '%s' (%s), at %.0f bit/s?",
-                    config_.timing.start_timeout_s, bus_of(*silent).name().c_str(),
-                    can::LinkName(bus_of(*silent).link()),
-                    config_.bitrate_bit_s[static_cast<std::size_t>(silent->config().bus)]);
-      throw std::runtime_error("joint '" + silent->config().name +
-                               "': " + silent->measured().Missing() + text);
+      throw std::runtime_error(
+          "joint '" + silent->config().name + "': " + silent->measured().Missing() +
+          types::Text(" within %.1f s; is it powered, on bus '%s' (%s), at %.0f bit/s?",
+                      config_.timing.start_timeout_s, bus_of(*silent).name().c_str(),
+                      can::LinkName(bus_of(*silent).link()),
+                      config_.bitrate_bit_s[static_cast<std::size_t>(silent->config().bus)]));
     }
     if (now >= next_request_ns) {
       next_request_ns = now + kStartRequest_ns;

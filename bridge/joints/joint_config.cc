@@ -1,6 +1,5 @@
 #include "bridge/joints/joint_config.h"
 
-#include <cstdio>
 #include <set>
 #include <span>
 #include <utility>
@@ -11,6 +10,7 @@
 #include "components/base/types/angle.h"
 #include "components/base/types/joints.h"
 #include "components/base/types/require.h"
+#include "components/base/types/text.h"
 #include "components/robot/provider/plant.h"
 
 namespace sinew::bridge {
@@ -58,12 +58,12 @@ void CheckZeroCheck(const std::string& who, const JointConfig& c) {
   Require(c.zero_check->play_rad >= 0.0 && c.zero_check->tolerance_rad > 0.0,
           who + "zero_check needs play_rad >= 0 and tolerance_rad > 0");
   const double largest_rev = c.zero_check->largest_rad() * c.gear_ratio / types::kTwoPi;
-  char text[96];
-  std::snprintf(text, sizeof text,
+  Require(
+      !c.home_by_whole_turns || largest_rev < 0.5,
+      who + types::Text(
                 "whole turns are ambiguous: play and tolerance are %.2f of a motor turn, expected "
                 "below 0.5",
-                largest_rev);
-  Require(!c.home_by_whole_turns || largest_rev < 0.5, who + text);
+                largest_rev));
 }
 
 void CheckBraking(const std::string& who, const JointConfig& c) {
@@ -72,13 +72,13 @@ void CheckBraking(const std::string& who, const JointConfig& c) {
           who + "braking needs 0 < reflected_inertia_kg_m2 <= max_inertia_kg_m2");
   Require(b.load_torque_Nm >= 0.0 && b.command_delay_s >= 0.0,
           who + "braking needs load_torque_Nm >= 0 and command_delay_ms >= 0");
-  char text[128];
   const double a = BrakingDeceleration(c);
-  std::snprintf(text, sizeof text,
+  Require(
+      a > 0.0,
+      who + types::Text(
                 "braking: the motor cannot brake a load of %.3g Nm (%.3g rad/s^2 remain), expected "
                 "above 0",
-                b.load_torque_Nm, a);
-  Require(a > 0.0, who + text);
+                b.load_torque_Nm, a));
 }
 
 void CheckJoint(const JointConfig& c, NodeNumbers* nodes) {

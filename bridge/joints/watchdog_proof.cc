@@ -1,10 +1,10 @@
 #include "bridge/joints/watchdog_proof.h"
 
 #include <algorithm>
-#include <cstdio>
 
 #include "bridge/joints/faults.h"
 #include "components/base/types/angle.h"
+#include "components/base/types/text.h"
 
 namespace sinew::bridge {
 namespace {
@@ -174,17 +174,15 @@ class Trial {
       break;
     }
     const bool expired = (heartbeat_.axis_error & can::axis_error::kWatchdogTimerExpired) != 0;
-    char text[160];
     if (stopped_()) {
       result.why = "stopped";
     } else if (foreign_) {
       result.why = "another program sends to axis node " + Node();
     } else if (result.idle_after_ms == 0.0) {
-      std::snprintf(text, sizeof text,
-                    "its watchdog does not fire: in closed-loop control %.0f ms after the last "
-                    "setpoint, at most %.0f ms are allowed",
-                    result.runs_after_ms, 1e3 * kWatchdogLimit_s);
-      result.why = text;
+      result.why = types::Text(
+          "its watchdog does not fire: in closed-loop control %.0f ms after the last "
+          "setpoint, at most %.0f ms are allowed",
+          result.runs_after_ms, 1e3 * kWatchdogLimit_s);
       result.refuted = true;
     } else if (!expired) {
       result.why = "it became idle for another reason than its watchdog" + State();

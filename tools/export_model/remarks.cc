@@ -1,6 +1,6 @@
 #include "tools/export_model/remarks.h"
 
-#include <cstdio>
+#include "components/base/types/text.h"
 
 namespace sinew::export_model {
 namespace {
@@ -8,10 +8,8 @@ namespace {
 // Positions in thousandths of the unit.
 std::string ErrorText(double value, Measure measure, std::string_view unit) {
   const bool milli = measure == Measure::kSimulatedPosition;
-  char text[32];
-  std::snprintf(text, sizeof text, "%.3g %s%s", milli ? 1e3 * value : value, milli ? "m" : "",
-                std::string(unit).c_str());
-  return text;
+  return types::Text("%.3g %s%s", milli ? 1e3 * value : value, milli ? "m" : "",
+                     std::string(unit).c_str());
 }
 
 std::string CostText(const Cost& cost, Measure measure, std::string_view unit) {
@@ -50,10 +48,9 @@ Remarks MakeRemarks(Format format, const actuator::RobotModel& robot, const arm:
                       (i < costs.of.size() ? cost_text(costs.of[i]) : std::string()) + ".");
   }
   if (base.mass_kg > 0.0 && !robot.floating_base && format != Format::kUrdf) {
-    char mass[32];
-    std::snprintf(mass, sizeof mass, "%.6g", base.mass_kg);
-    remarks.push_back("Not in " + name + ": mass " + mass + " kg and inertia of the base link " +
-                      base.link_name + ", which is fixed to the world.");
+    remarks.push_back("Not in " + name + ": mass " + types::Text("%.6g", base.mass_kg) +
+                      " kg and inertia of the base link " + base.link_name +
+                      ", which is fixed to the world.");
   }
   for (std::size_t i = dropped.size(); i < costs.of.size(); ++i) {
     remarks.push_back("All of these of joint " + costs.of[i].joint + cost_text(costs.of[i]) + ".");

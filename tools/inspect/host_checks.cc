@@ -1,12 +1,12 @@
 #include "tools/inspect/host_checks.h"
 
-#include <cstdio>
 #include <fstream>
 #include <map>
 #include <optional>
 #include <sstream>
 
 #include "components/base/config/config.h"
+#include "components/base/types/text.h"
 
 namespace sinew::inspect {
 
@@ -62,16 +62,6 @@ bool HasCapability(const std::string& status, int bit) {
   return (capabilities >> bit & 1u) != 0;
 }
 
-std::string Text(const char* format, double a, double b = 0.0) {
-  char text[160];
-  // The formats are this file's own constants.
-#pragma GCC diagnostic push
-#pragma GCC diagnostic ignored "-Wformat-nonliteral"
-  std::snprintf(text, sizeof(text), format, a, b);
-#pragma GCC diagnostic pop
-  return text;
-}
-
 }  // namespace
 
 std::vector<Finding> CheckRealtimeLimits(const fs::path& root, int priority) {
@@ -88,13 +78,13 @@ std::vector<Finding> CheckRealtimeLimits(const fs::path& root, int priority) {
   if (HasCapability(status, kCapSysNice)) {
     findings.push_back({"rtprio", Severity::kOk, "SCHED_FIFO by CAP_SYS_NICE", ""});
   } else if (!priorities->soft || *priorities->soft >= priority) {
-    findings.push_back(
-        {"rtprio", Severity::kOk,
-         "SCHED_FIFO up to priority " + (priorities->soft ? Text("%.0f", *priorities->soft) : "99"),
-         ""});
+    findings.push_back({"rtprio", Severity::kOk,
+                        "SCHED_FIFO up to priority " +
+                            (priorities->soft ? types::Text("%.0f", *priorities->soft) : "99"),
+                        ""});
   } else {
     findings.push_back({"rtprio", Severity::kWarning,
-                        "SCHED_FIFO up to priority " + Text("%.0f", *priorities->soft) +
+                        "SCHED_FIFO up to priority " + types::Text("%.0f", *priorities->soft) +
                             ", --realtime needs " + std::to_string(priority),
                         "`USER - rtprio " + std::to_string(priority) + "` " + advice});
   }
@@ -104,7 +94,7 @@ std::vector<Finding> CheckRealtimeLimits(const fs::path& root, int priority) {
     findings.push_back({"memlock", Severity::kOk, "locked memory without limit", ""});
   } else {
     findings.push_back({"memlock", Severity::kWarning,
-                        "locked memory up to " + Text("%.1f MB", *memory->soft * 1e-6) +
+                        "locked memory up to " + types::Text("%.1f MB", *memory->soft * 1e-6) +
                             ", --realtime locks all of a process",
                         "`USER - memlock unlimited` " + advice});
   }
@@ -147,8 +137,8 @@ DiskSpace ReadDiskSpace(const fs::path& path) {
 Finding CheckDiskSpace(const DiskSpace& space, double recording_bytes_s) {
   const double minutes = static_cast<double>(space.free_bytes) / recording_bytes_s / 60.0;
   const std::string text = space.path + ": " +
-                           Text("%.1f GB free, %.0f minutes of recording",
-                                static_cast<double>(space.free_bytes) * 1e-9, minutes);
+                           types::Text("%.1f GB free, %.0f minutes of recording",
+                                       static_cast<double>(space.free_bytes) * 1e-9, minutes);
   const Severity severity = minutes < kFaultMinutes     ? Severity::kFault
                             : minutes < kWarningMinutes ? Severity::kWarning
                                                         : Severity::kOk;
@@ -159,12 +149,12 @@ Finding CheckDiskSpace(const DiskSpace& space, double recording_bytes_s) {
 Finding CheckSharedMemorySpace(const DiskSpace& space) {
   const double needed = kSegmentBytes * kParticipants;
   const std::string text =
-      space.path + ": " + Text("%.1f MB free", static_cast<double>(space.free_bytes) * 1e-6);
+      space.path + ": " + types::Text("%.1f MB free", static_cast<double>(space.free_bytes) * 1e-6);
   if (static_cast<double>(space.free_bytes) >= needed) {
     return {"shared_memory_space", Severity::kOk, text, ""};
   }
   return {"shared_memory_space", Severity::kFault,
-          text + Text(", a robot in lockstep needs %.1f MB", needed * 1e-6),
+          text + types::Text(", a robot in lockstep needs %.1f MB", needed * 1e-6),
           "remove what is left behind (sinew doctor --clean), or mount a larger /dev/shm"};
 }
 

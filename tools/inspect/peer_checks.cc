@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <map>
 #include <optional>
 #include <set>
 
 #include "components/base/types/joined.h"
+#include "components/base/types/text.h"
 #include "components/topics/node/matching.h"
 
 namespace sinew::inspect {
@@ -28,16 +28,16 @@ Finding CheckClock(const std::string& host, std::optional<double> difference_ms)
             name + ": its clock was not compared, no new component_status",
             "a longer --wait; a participant whose loop hangs sends none"};
   }
-  char text[64];
   if (std::abs(*difference_ms) <= kMostOffset_ms) {
-    std::snprintf(text, sizeof(text), ": messages arrive %.2f ms after they were sent",
-                  *difference_ms);
-    return {"clocks", Severity::kOk, name + text + ", the clocks agree", ""};
+    return {"clocks", Severity::kOk,
+            name + types::Text(": messages arrive %.2f ms after they were sent, the clocks agree",
+                               *difference_ms),
+            ""};
   }
   const std::string advice =
       "synchronise both hosts with chrony (chronyc tracking shows the offset) or PTP: recordings "
       "hold stamps of both";
-  std::snprintf(text, sizeof(text), "%.1f ms", std::abs(*difference_ms));
+  const std::string text = types::Text("%.1f ms", std::abs(*difference_ms));
   if (*difference_ms < 0.0) {
     return {"clocks", Severity::kWarning,
             "the clock of " + name + " is ahead of this one by at least " + text, advice};
@@ -149,10 +149,9 @@ std::vector<Finding> CheckLosses(const std::vector<Loss>& losses) {
   for (const Loss& loss : losses) {
     if (loss.sent == 0) continue;
     const double share = static_cast<double>(loss.lost) / static_cast<double>(loss.sent);
-    char text[96];
-    std::snprintf(text, sizeof(text), ": %llu of %llu lost (%.1f %%)",
-                  static_cast<unsigned long long>(loss.lost),
-                  static_cast<unsigned long long>(loss.sent), 100.0 * share);
+    const std::string text =
+        types::Text(": %llu of %llu lost (%.1f %%)", static_cast<unsigned long long>(loss.lost),
+                    static_cast<unsigned long long>(loss.sent), 100.0 * share);
     if (share <= kMostLost) {
       findings.push_back({"losses", Severity::kOk, loss.what + text, ""});
     } else {

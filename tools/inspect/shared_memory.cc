@@ -6,10 +6,11 @@
 
 #include <algorithm>
 #include <charconv>
-#include <cstdio>
 #include <fstream>
 #include <optional>
 #include <set>
+
+#include "components/base/types/text.h"
 
 namespace sinew::inspect {
 
@@ -68,9 +69,7 @@ ProcessUse UseOf(const fs::path& process) {
 }
 
 std::string Megabytes(std::uint64_t bytes) {
-  char text[32];
-  std::snprintf(text, sizeof(text), "%.1f MB", static_cast<double>(bytes) * 1e-6);
-  return text;
+  return types::Text("%.1f MB", static_cast<double>(bytes) * 1e-6);
 }
 
 // Somebody else holds a lock of the file (flock), in whatever namespace.

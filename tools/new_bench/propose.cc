@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
-#include <cstdio>
 #include <stdexcept>
 
 #include "components/base/types/angle.h"
 #include "components/base/types/joined.h"
 #include "components/base/types/seconds.h"
+#include "components/base/types/text.h"
 #include "components/record/recording/units.h"
 
 namespace sinew::new_bench {
@@ -139,11 +139,7 @@ const Column* AngleOf(const Guess& guess) {
   return output != nullptr ? output : Find(guess, Signal::kMotorPosition);
 }
 
-std::string Number(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.10g", value);
-  return text;
-}
+std::string Number(double value) { return types::Text("%.10g", value); }
 
 std::string Quoted(const std::string& text) {
   std::string out = "\"";

@@ -12,6 +12,7 @@
 
 #include "components/base/config/config.h"
 #include "components/base/types/json_text.h"
+#include "components/base/types/text.h"
 #include "components/record/recording/file/file_io.h"
 #include "components/record/recording/mcap_record.h"
 #include "components/topics/node/time_option.h"
@@ -64,11 +65,7 @@ class TemporaryFiles {
   fs::path path_;
 };
 
-std::string Fixed(double value, int digits) {
-  char text[64];
-  std::snprintf(text, sizeof(text), "%.*f", digits, value);
-  return text;
-}
+std::string Fixed(double value, int digits) { return types::Text("%.*f", digits, value); }
 
 const char* VerdictWord(Verdict verdict) {
   switch (verdict) {

@@ -1,6 +1,5 @@
 #include <CLI/CLI.hpp>
 #include <chrono>
-#include <cstdio>
 #include <iostream>
 #include <map>
 #include <memory>
@@ -14,6 +13,7 @@
 #include "components/base/config/config.h"
 #include "components/base/types/clock/clock.h"
 #include "components/base/types/json_text.h"
+#include "components/base/types/text.h"
 #include "components/record/recording/cdr.h"
 #include "components/record/recording/file/file_io.h"
 #include "components/record/recording/mcap_reader.h"
@@ -148,14 +148,7 @@ Json SummariesJson(const Summaries& summaries) {
 }
 
 std::string Cell(const char* format, const std::optional<double>& value) {
-  if (!value) return "-";
-  char text[32];
-  // One of this file's own formats.
-#pragma GCC diagnostic push
-#pragma GCC diagnostic ignored "-Wformat-nonliteral"
-  std::snprintf(text, sizeof(text), format, *value);
-#pragma GCC diagnostic pop
-  return text;
+  return value ? types::Text(format, *value) : "-";
 }
 
 void PrintSummaries(const Summaries& summaries) {

@@ -3,11 +3,10 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdio>
 #include <iostream>
 
+#include "components/base/types/text.h"
 #include "tools/sinew/printed.h"
 
 namespace sinew::tools {
@@ -18,15 +17,8 @@ constexpr int kBarWidth = 20;
 
 // 950, 12.9k, 3.1M
 std::string Short(double value) {
-  std::array<char, 32> text{};
-  if (value < 1e3) {
-    std::snprintf(text.data(), text.size(), "%.0f", value);
-  } else if (value < 1e6) {
-    std::snprintf(text.data(), text.size(), "%.1fk", value / 1e3);
-  } else {
-    std::snprintf(text.data(), text.size(), "%.1fM", value / 1e6);
-  }
-  return text.data();
+  if (value < 1e3) return types::Text("%.0f", value);
+  return value < 1e6 ? types::Text("%.1fk", value / 1e3) : types::Text("%.1fM", value / 1e6);
 }
 
 }  // namespace
@@ -48,16 +40,13 @@ std::string ProgressBar::Line(const std::string& what, const std::string& unit, 
   if (total == 0) return what + "  " + Short(static_cast<double>(done)) + " " + unit + ", " + speed;
   const double share = std::min(1.0, static_cast<double>(done) / static_cast<double>(total));
   const int filled = static_cast<int>(share * kBarWidth);
-  std::array<char, 64> left{};
   const auto seconds =
       rate > 0.0 ? std::llround(static_cast<double>(total - std::min(done, total)) / rate) : 0LL;
-  std::snprintf(left.data(), left.size(), "%lld:%02lld left", seconds / 60, seconds % 60);
-  std::array<char, 16> percent{};
-  std::snprintf(percent.data(), percent.size(), "%3.0f %%", std::floor(100.0 * share));
   return what + "  [" + std::string(static_cast<std::size_t>(filled), '#') +
-         std::string(static_cast<std::size_t>(kBarWidth - filled), '-') + "] " + percent.data() +
-         "  " + Short(static_cast<double>(done)) + " of " + Short(static_cast<double>(total)) +
-         " " + unit + ", " + speed + ", " + left.data();
+         std::string(static_cast<std::size_t>(kBarWidth - filled), '-') + "] " +
+         types::Text("%3.0f %%", std::floor(100.0 * share)) + "  " +
+         Short(static_cast<double>(done)) + " of " + Short(static_cast<double>(total)) + " " +
+         unit + ", " + speed + ", " + types::Text("%lld:%02lld left", seconds / 60, seconds % 60);
 }
 
 void ProgressBar::Update(std::uint64_t done, std::uint64_t total) {

@@ -2,7 +2,6 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
-#include <cstdio>
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -10,6 +9,7 @@
 #include <string>
 
 #include "components/base/types/json_text.h"
+#include "components/base/types/text.h"
 #include "components/record/logger/player/participant/play.h"
 #include "tools/sinew/core_commands.h"
 #include "tools/sinew/node_options.h"
@@ -105,10 +105,9 @@ void AddReplayCommand(CLI::App& app) {
                                                           {"wall_s", result.wall_s}})
                 << '\n';
     } else {
-      char times[64];
-      std::snprintf(times, sizeof(times), "%.1f s in %.1f s", result.recorded_s, result.wall_s);
       std::cout << options->play.path.string() << ": " << result.messages << " of "
-                << result.message_count << " messages, " << times << '\n';
+                << result.message_count << " messages, "
+                << types::Text("%.1f s in %.1f s", result.recorded_s, result.wall_s) << '\n';
     }
     if (result.write_failures > 0) {
       std::cerr << "sinew replay: " << result.write_failures << " messages could not be sent\n";

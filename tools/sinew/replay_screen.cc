@@ -1,9 +1,8 @@
 #include "tools/sinew/replay_screen.h"
 
 #include <algorithm>
-#include <array>
-#include <cstdio>
 
+#include "components/base/types/text.h"
 #include "components/record/logger/player/pace.h"
 
 namespace sinew::tools {
@@ -74,13 +73,9 @@ std::string ReplayLine(const logger::PlayStatus& status, std::size_t width) {
   const double share =
       status.duration_s > 0.0 ? std::clamp(status.position_s / status.duration_s, 0.0, 1.0) : 1.0;
   const auto filled = static_cast<std::size_t>(share * static_cast<double>(kReplayBar));
-  std::array<char, 64> times{}, rate{};
-  std::snprintf(times.data(), times.size(), "%.1f of %.1f s ", status.position_s,
-                status.duration_s);
-  std::snprintf(rate.data(), rate.size(), " x%g", status.rate);
-  std::string line = times.data();
+  std::string line = types::Text("%.1f of %.1f s ", status.position_s, status.duration_s);
   line += "[" + std::string(filled, '#') + std::string(kReplayBar - filled, '-') + "]";
-  line += status.rate == logger::kMaxRate ? " max" : rate.data();
+  line += status.rate == logger::kMaxRate ? " max" : types::Text(" x%g", status.rate);
   if (status.paused) line += " paused";
   if (status.pass > 0) line += ", pass " + std::to_string(status.pass);
   line += "  space s <- -> + - q";

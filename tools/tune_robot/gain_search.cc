@@ -1,11 +1,10 @@
 #include "tools/tune_robot/gain_search.h"
 
 #include <algorithm>
-#include <array>
-#include <cstdio>
 #include <cstdlib>
 #include <stdexcept>
 
+#include "components/base/types/text.h"
 #include "tools/jobs/jobs.h"
 
 namespace sinew::tune {
@@ -39,9 +38,7 @@ bool TakeDone(const std::vector<GainTrial>& done, std::vector<GainTrial>* stage)
 }
 
 double Rounded(double gain) {
-  std::array<char, 32> text{};
-  std::snprintf(text.data(), text.size(), "%.*g", kGainDigits, gain);
-  return std::strtod(text.data(), nullptr);
+  return std::strtod(types::Text("%.*g", kGainDigits, gain).c_str(), nullptr);
 }
 
 std::vector<GainTrial> DrawnStage(const GainSearchConfig& config, int stage,

@@ -1,8 +1,7 @@
 #include "bridge/joints/file/proof_file.h"
 
-#include <cstdio>
-
 #include "bridge/can/file/bus_config.h"
+#include "components/base/types/text.h"
 
 namespace sinew::bridge {
 static void Describe(config::Fields& f, WatchdogProof& c) {
@@ -38,12 +37,11 @@ void WriteProofs(const std::filesystem::path& path, const std::vector<WatchdogPr
                          "--prove-watchdogs.\nschema: ") +
                      kProofSchema + "\nproofs:" + (proofs.empty() ? " []" : "") + "\n";
   for (const WatchdogProof& proof : proofs) {
-    char number[32];
-    std::snprintf(number, sizeof number, "%.1f", proof.idle_after_ms);
     text += "  - joint: \"" + proof.joint + "\"\n    serial_number: \"" + proof.serial_number +
             "\"\n    node: " + std::to_string(proof.node) +
             "\n    firmware: " + can::FirmwareName(proof.firmware) +
-            "\n    idle_after_ms: " + number + "\n    made: \"" + proof.made + "\"\n";
+            "\n    idle_after_ms: " + types::Text("%.1f", proof.idle_after_ms) + "\n    made: \"" +
+            proof.made + "\"\n";
   }
   config::WriteFileAtomically(path, text);
   config::SyncFolderOf(path);

@@ -1,7 +1,8 @@
 #include "components/base/types/fault.h"
 
 #include <array>
-#include <cstdio>
+
+#include "components/base/types/text.h"
 
 namespace sinew::types {
 namespace {
@@ -50,9 +51,7 @@ constexpr std::array<FaultTerms, kFaultCauses> kTerms = {{
 }};
 
 std::string Number(double value, const FaultTerms& terms) {
-  char text[48];
-  std::snprintf(text, sizeof text, "%.*f", terms.decimals, value);
-  std::string out = text;
+  std::string out = Text("%.*f", terms.decimals, value);
   if (terms.decimals > 0) out.erase(out.find_last_not_of('0') + 1);
   if (out.ends_with('.')) out.pop_back();
   return out + " " + std::string(terms.unit);

@@ -8,6 +8,7 @@
 
 #include "components/base/types/angle.h"
 #include "components/base/types/control_mode.h"
+#include "components/base/types/text.h"
 #include "components/model/identify/statistics.h"
 
 namespace sinew::experiment {
@@ -255,12 +256,9 @@ Result IdentifyBreakaway(const std::vector<Breakaway>& trials, const RigConstant
   for (const auto& [angle_deg, values] : by_angle) {
     const double mean = identify::Mean(values), sd = identify::StandardDeviation(values);
     const double with_gravity = mean + fit.b(1) * std::cos(angle_deg * types::kDegree_rad);
-    char text[4][32];
-    std::snprintf(text[0], sizeof text[0], "%.4f", mean);
-    std::snprintf(text[1], sizeof text[1], "%.4f", sd);
-    std::snprintf(text[2], sizeof text[2], "%.4f", with_gravity);
-    table.rows.push_back(
-        {std::to_string(angle_deg), std::to_string(values.size()), text[0], text[1], text[2]});
+    table.rows.push_back({std::to_string(angle_deg), std::to_string(values.size()),
+                          types::Text("%.4f", mean), types::Text("%.4f", sd),
+                          types::Text("%.4f", with_gravity)});
     measured.x.push_back(angle_deg);
     measured.y.push_back(mean);
     measured.spread.push_back(sd);

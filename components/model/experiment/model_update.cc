@@ -1,8 +1,7 @@
 #include "components/model/experiment/model_update.h"
 
-#include <cstdio>
-
 #include "components/base/types/angle.h"
+#include "components/base/types/text.h"
 
 namespace sinew::experiment {
 namespace {
@@ -29,10 +28,10 @@ std::vector<std::string> UpdateModel(const Result& result, const std::string& re
   std::vector<std::string> changes;
   const auto report = [&](const std::string& effect, const std::string& parameter, double before,
                           double after, double half_width) {
-    char text[200];
-    std::snprintf(text, sizeof text, "%s %.6g -> %.6g +- %.2g (95 %%) by experiment %s",
-                  parameter.c_str(), before, after, half_width, result.experiment.c_str());
-    changes.emplace_back(text);
+    const std::string text =
+        types::Text("%s %.6g -> %.6g +- %.2g (95 %%) by experiment %s", parameter.c_str(), before,
+                    after, half_width, result.experiment.c_str());
+    changes.push_back(text);
     model->history.push_back({when, effect, recording, text});
   };
   for (const Target& target : kTargets) {

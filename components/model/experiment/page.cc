@@ -1,19 +1,10 @@
 #include "components/model/experiment/page.h"
 
-#include <cstdio>
+#include "components/base/types/text.h"
 
 namespace sinew::experiment {
-namespace {
 
-std::string Number(double value, const char* format) {
-  char text[48];
-  std::snprintf(text, sizeof text, format, value);
-  return text;
-}
-
-}  // namespace
-
-std::string FormatValue(double value) { return Number(value, "%.5g"); }
+std::string FormatValue(double value) { return types::Text("%.5g", value); }
 
 std::string FormatEstimate(const Quantity& quantity) {
   return FormatValue(quantity.estimate.value);

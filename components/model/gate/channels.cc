@@ -3,8 +3,8 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
+#include "components/base/types/text.h"
 #include "components/model/identify/statistics.h"
 
 namespace sinew::gate {
@@ -133,10 +133,6 @@ Measurement Measure(std::string_view rule, Signal signal, const Run& run, Span r
 
 Span WholeRun(const Run& run) { return {0, std::max<Eigen::Index>(run.size() - 1, 0)}; }
 
-std::string Number(double value) {
-  char text[40];
-  std::snprintf(text, sizeof text, "%.4g", value);
-  return text;
-}
+std::string Number(double value) { return types::Text("%.4g", value); }
 
 }  // namespace sinew::gate

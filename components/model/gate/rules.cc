@@ -1,7 +1,8 @@
 #include "components/model/gate/rules.h"
 
-#include <cstdio>
 #include <stdexcept>
+
+#include "components/base/types/text.h"
 
 namespace sinew::gate {
 
@@ -81,10 +82,8 @@ std::string FormatRules() {
   std::string out =
       "| rule | statistic | limit | where the limit comes from |\n| --- | --- | --- | --- |\n";
   for (const Rule& rule : kRules) {
-    char limit[32];
-    std::snprintf(limit, sizeof limit, "%.3g", rule.limit);
-    out += "| `" + std::string(rule.id) + "` | " + std::string(rule.statistic) + " | " + limit +
-           " | " + std::string(rule.limit_source) + " |\n";
+    out += "| `" + std::string(rule.id) + "` | " + std::string(rule.statistic) + " | " +
+           types::Text("%.3g", rule.limit) + " | " + std::string(rule.limit_source) + " |\n";
   }
   return out;
 }

@@ -2,9 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <iterator>
 #include <limits>
+
+#include "components/base/types/text.h"
 
 namespace sinew::report {
 
@@ -86,11 +87,7 @@ Picture Chart(const std::string& title, const std::string& caption, const std::s
               "unset multiplot\n"};
 }
 
-std::string PictureNumber(double value) {
-  char text[40];
-  std::snprintf(text, sizeof text, "%.5g", value);
-  return text;
-}
+std::string PictureNumber(double value) { return types::Text("%.5g", value); }
 
 std::string PictureHead(int height) {
   return "set terminal svg size 920," + std::to_string(height) +

@@ -1,7 +1,5 @@
 #include "components/model/report/section.h"
 
-#include <cstdarg>
-#include <cstdio>
 #include <stdexcept>
 
 #include "components/base/types/printable.h"
@@ -158,22 +156,6 @@ std::string FormatHtml(const Page& page) {
   return out + "</main></body></html>\n";
 }
 
-std::string Short(double value) {
-  char text[40];
-  std::snprintf(text, sizeof text, "%.4g", value);
-  return text;
-}
-
-std::string Text(const char* format, ...) {
-  va_list arguments, again;
-  va_start(arguments, format);
-  va_copy(again, arguments);
-  const int length = std::vsnprintf(nullptr, 0, format, arguments);
-  va_end(arguments);
-  std::string text(length > 0 ? static_cast<std::size_t>(length) : 0, '\0');
-  std::vsnprintf(text.data(), text.size() + 1, format, again);
-  va_end(again);
-  return text;
-}
+std::string Short(double value) { return Text("%.4g", value); }
 
 }  // namespace sinew::report

@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "components/base/types/text.h"
 #include "components/model/report/picture.h"
 
 namespace sinew::report {
@@ -81,7 +82,6 @@ std::string FormatSection(const Section& section);
 std::string HtmlHead(const std::string& title);
 // A number for people: four significant digits.
 std::string Short(double value);
-// As std::printf, into a string of whatever length it needs.
-__attribute__((format(printf, 1, 2))) std::string Text(const char* format, ...);
+using types::Text;
 
 }  // namespace sinew::report

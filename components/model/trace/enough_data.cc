@@ -1,8 +1,8 @@
 #include "components/model/trace/enough_data.h"
 
 #include <algorithm>
-#include <cstdio>
 
+#include "components/base/types/text.h"
 #include "components/model/identify/balance.h"
 #include "components/model/trace/problem.h"
 
@@ -16,12 +16,10 @@ double MovingTime(const identify::Design& design) {
 
 std::string Sentence(const char* of, const identify::Design& design, double statistic,
                      const Rule& rule, const char* counted) {
-  char text[240];
-  std::snprintf(text, sizeof text,
-                "the %s recordings hold %.3g s of motion away from rest, reversals and their ends: "
-                "%.3g %s, expected at least %.3g",
-                of, MovingTime(design), statistic, counted, rule.limit);
-  return text;
+  return types::Text(
+      "the %s recordings hold %.3g s of motion away from rest, reversals and their ends: "
+      "%.3g %s, expected at least %.3g",
+      of, MovingTime(design), statistic, counted, rule.limit);
 }
 
 }  // namespace

@@ -1,7 +1,8 @@
 #include "components/model/trace/rules.h"
 
 #include <array>
-#include <cstdio>
+
+#include "components/base/types/text.h"
 
 namespace sinew::trace {
 
@@ -20,10 +21,8 @@ std::string FormatRules() {
   std::string out =
       "| rule | statistic | limit | where the limit comes from |\n| --- | --- | --- | --- |\n";
   for (const Rule& rule : AllRules()) {
-    char limit[32];
-    std::snprintf(limit, sizeof limit, "%.3g", rule.limit);
-    out += "| `" + std::string(rule.id) + "` | " + rule.statistic + " | " + limit + " | " +
-           rule.source + " |\n";
+    out += "| `" + std::string(rule.id) + "` | " + rule.statistic + " | " +
+           types::Text("%.3g", rule.limit) + " | " + rule.source + " |\n";
   }
   return out;
 }

@@ -3,11 +3,11 @@
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <map>
 #include <numbers>
 
+#include "components/base/types/text.h"
 #include "components/model/identify/statistics.h"
 #include "components/model/trace/null_test.h"
 #include "components/model/trace/rules.h"
@@ -70,16 +70,16 @@ double Hides(const DetectableSize& size, const InForce& in_force) {
 
 // Empty: it would have been found before it matters, and as large as machines have it.
 std::string WhyHidden(const DetectableSize& size, const InForce& in_force) {
-  char text[120] = "";
   if (size.share >= 1.0) return "up to all of the measured side could hide in this motion";
   if (size.share > in_force.Limit(rules::kDetectable)) {
-    std::snprintf(text, sizeof text, "up to %.2g %% of the measured side could hide in this motion",
-                  100.0 * size.share);
-  } else if (size.of_expected > 1.0) {
-    std::snprintf(text, sizeof text, "found from %.2g %s on, %.2g times what machines have",
-                  size.size, size.unit.c_str(), size.of_expected);
+    return types::Text("up to %.2g %% of the measured side could hide in this motion",
+                       100.0 * size.share);
   }
-  return text;
+  if (size.of_expected > 1.0) {
+    return types::Text("found from %.2g %s on, %.2g times what machines have", size.size,
+                       size.unit.c_str(), size.of_expected);
+  }
+  return "";
 }
 
 // Coefficient c that takes `share` of the variance away where least squares see it smaller by

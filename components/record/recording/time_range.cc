@@ -2,20 +2,16 @@
 
 #include <charconv>
 #include <cmath>
-#include <cstdio>
 #include <stdexcept>
 
 #include "components/base/types/seconds.h"
+#include "components/base/types/text.h"
 #include "components/record/recording/csv_map.h"
 
 namespace sinew::recording {
 namespace {
 
-std::string Seconds(double value) {
-  char text[40];
-  std::snprintf(text, sizeof text, "%.10g", value);
-  return text;
-}
+std::string Seconds(double value) { return types::Text("%.10g", value); }
 
 [[noreturn]] void Refuse(std::string_view text, const std::string& why) {
   throw std::invalid_argument("range '" + std::string(text) + "': " + why +

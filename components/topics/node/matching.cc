@@ -4,7 +4,8 @@
 
 #include <algorithm>
 #include <array>
-#include <cstdio>
+
+#include "components/base/types/text.h"
 
 namespace sinew::node {
 
@@ -12,9 +13,7 @@ namespace {
 
 std::string Milliseconds(std::chrono::nanoseconds duration) {
   if (duration == kUnlimited) return "none";
-  std::array<char, 40> text{};
-  std::snprintf(text.data(), text.size(), "%g ms", static_cast<double>(duration.count()) * 1e-6);
-  return text.data();
+  return types::Text("%g ms", static_cast<double>(duration.count()) * 1e-6);
 }
 
 std::string ReliabilityText(const EndpointQos& qos) {

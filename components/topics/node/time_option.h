@@ -2,10 +2,10 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
-#include <cstdio>
 #include <string>
 
 #include "components/base/types/seconds.h"
+#include "components/base/types/text.h"
 
 namespace sinew::node {
 
@@ -20,10 +20,9 @@ inline CLI::Validator IsTime(Zero zero) {
         (zero == Zero::kAllowed ? seconds >= 0.0 : seconds > 0.0)) {
       return "";
     }
-    char message[96];
-    std::snprintf(message, sizeof message, ", expected %s 0 to %.0f (a century)",
-                  zero == Zero::kAllowed ? "from" : "above", types::kLongest_s);
-    return "'" + text + "' s" + message;
+    return "'" + text + "' s" +
+           types::Text(", expected %s 0 to %.0f (a century)",
+                       zero == Zero::kAllowed ? "from" : "above", types::kLongest_s);
   };
   return CLI::Validator(check, zero == Zero::kAllowed ? "NONNEGATIVE" : "POSITIVE");
 }

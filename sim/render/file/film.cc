@@ -1,10 +1,10 @@
 #include "sim/render/file/film.h"
 
-#include <cstdio>
 #include <optional>
 #include <string>
 
 #include "components/base/config/config.h"
+#include "components/base/types/text.h"
 #include "sim/render/file/caption.h"
 #include "sim/render/file/png_file.h"
 #include "sim/render/file/video_file.h"
@@ -36,12 +36,6 @@ FilmOptions Checked(const FilmOptions& options) {
     }
   }
   return options;
-}
-
-std::string Written(const char* format, double value) {
-  char text[64];
-  std::snprintf(text, sizeof text, format, value);
-  return text;
 }
 
 }  // namespace
@@ -77,11 +71,11 @@ Film::~Film() = default;
 void Film::Add(double time_s, const RobotPose& pose) {
   Image image = impl_->renderer.Render(pose, Follow(impl_->camera, pose));
   const int margin = static_cast<int>(kLetterMargin * impl_->options.height);
-  impl_->caption.Draw(Written("t = %.2f s", time_s), margin, impl_->options.height - margin,
+  impl_->caption.Draw(types::Text("t = %.2f s", time_s), margin, impl_->options.height - margin,
                       &image);
   if (impl_->video) impl_->video->Add(image);
   if (!impl_->options.frames.empty()) {
-    WritePng(impl_->options.frames / Written("frame_%05.0f.png", impl_->frame_count), image);
+    WritePng(impl_->options.frames / types::Text("frame_%05d.png", impl_->frame_count), image);
   }
   ++impl_->frame_count;
 }

@@ -4,10 +4,10 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <cstdio>
 #include <cstring>
 
 #include "components/base/config/config.h"
+#include "components/base/types/text.h"
 
 namespace sinew::logger {
 
@@ -65,9 +65,8 @@ std::vector<fs::path> FileSeries::FilesOf(const fs::path& path) {
 }
 
 fs::path FileSeries::Numbered(const fs::path& path, int number) {
-  char text[16];
-  std::snprintf(text, sizeof(text), "_%03d", number);
-  return path.parent_path() / (path.stem().string() + text + path.extension().string());
+  return path.parent_path() /
+         (path.stem().string() + types::Text("_%03d", number) + path.extension().string());
 }
 
 fs::path FileSeries::current() const {

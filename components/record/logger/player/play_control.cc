@@ -4,11 +4,11 @@
 #include <array>
 #include <charconv>
 #include <cmath>
-#include <cstdio>
 #include <sstream>
 #include <stdexcept>
 #include <vector>
 
+#include "components/base/types/text.h"
 #include "components/record/logger/player/pace.h"
 
 namespace sinew::logger {
@@ -97,19 +97,15 @@ double SlowerRate(double rate) {
 }
 
 std::string FormatPlayStatus(const PlayStatus& status) {
-  std::array<char, 256> text{};
-  std::array<char, 32> rate{};
-  std::snprintf(rate.data(), rate.size(), "%g", status.rate);
-  std::snprintf(text.data(), text.size(),
-                "position_s=%.3f duration_s=%.3f rate=%s paused=%d waiting=%d pass=%llu "
-                "messages=%llu session_id=%llu tick=%llu",
-                status.position_s, status.duration_s, status.rate == kMaxRate ? "max" : rate.data(),
-                status.paused ? 1 : 0, status.waiting ? 1 : 0,
-                static_cast<unsigned long long>(status.pass),
-                static_cast<unsigned long long>(status.messages),
-                static_cast<unsigned long long>(status.session_id),
-                static_cast<unsigned long long>(status.tick));
-  return text.data();
+  const std::string rate = status.rate == kMaxRate ? "max" : types::Text("%g", status.rate);
+  return types::Text(
+      "position_s=%.3f duration_s=%.3f rate=%s paused=%d waiting=%d pass=%llu "
+      "messages=%llu session_id=%llu tick=%llu",
+      status.position_s, status.duration_s, rate.c_str(), status.paused ? 1 : 0,
+      status.waiting ? 1 : 0, static_cast<unsigned long long>(status.pass),
+      static_cast<unsigned long long>(status.messages),
+      static_cast<unsigned long long>(status.session_id),
+      static_cast<unsigned long long>(status.tick));
 }
 
 void PlayControl::Post(const PlayRequest& request) {

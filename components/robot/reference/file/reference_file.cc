@@ -2,10 +2,10 @@
 
 #include <charconv>
 #include <cmath>
-#include <cstdio>
 #include <string_view>
 
 #include "components/base/types/joints.h"
+#include "components/base/types/text.h"
 #include "components/robot/reference/file/squat_file.h"
 
 namespace sinew::reference {
@@ -195,20 +195,17 @@ static TrajectoryPtr KeepLimits(const Described& described, const Limits& limits
   const Extremes extremes = Measure(*trajectory, described.horizon_s);
   const double factor = FittingFactor(extremes, described.center_rad, limits);
   if (factor >= 1.0) return trajectory;
-  char demand[256];
-  std::snprintf(demand, sizeof(demand),
-                "position %.4g to %.4g %s, velocity %.4g %s/s, acceleration %.4g %s/s2",
-                extremes.position_lower_rad, extremes.position_upper_rad, unit,
-                extremes.velocity_rad_s, unit, extremes.acceleration_rad_s2, unit);
+  const std::string demand =
+      types::Text("position %.4g to %.4g %s, velocity %.4g %s/s, acceleration %.4g %s/s2",
+                  extremes.position_lower_rad, extremes.position_upper_rad, unit,
+                  extremes.velocity_rad_s, unit, extremes.acceleration_rad_s2, unit);
   if (!may_scale) {
-    throw std::invalid_argument(std::string("the trajectory asks for ") + demand +
+    throw std::invalid_argument("the trajectory asks for " + demand +
                                 ", expected one inside the limits (or when_exceeded: scale)");
   }
-  char note[384];
-  std::snprintf(note, sizeof(note),
-                "joint %zu: drawn in to %.4g of its size to keep the limits (asked for %s)", index,
-                factor, demand);
-  notes->emplace_back(note);
+  notes->push_back(
+      types::Text("joint %zu: drawn in to %.4g of its size to keep the limits (asked for %s)",
+                  index, factor, demand.c_str()));
   return std::make_shared<Scaled>(trajectory, described.center_rad, factor);
 }
 

@@ -1,12 +1,12 @@
 #include "components/robot/reference/file/squat_file.h"
 
 #include <algorithm>
-#include <cstdio>
 #include <map>
 #include <memory>
 #include <utility>
 
 #include "components/base/types/joints.h"
+#include "components/base/types/text.h"
 #include "components/bodies/leg/geometry.h"
 #include "components/bodies/links/file/urdf_file.h"
 #include "components/robot/reference/squat.h"
@@ -44,12 +44,9 @@ MakeHeight DescribeHeight(config::Fields& f, LoadedReference* loaded) {
   }
   return [c, loaded]() -> TrajectoryPtr {
     const auto chirp = std::make_shared<ChirpSquat>(c);
-    char note[192];
-    std::snprintf(note, sizeof(note),
-                  "squat: amplitude %.4g m, drawn in to %.4g m at the end to keep %.4g m/s2",
-                  0.5 * (c.depth_m - c.straight_margin_m), chirp->end_amplitude_m(),
-                  c.acceleration_m_s2);
-    loaded->notes.emplace_back(note);
+    loaded->notes.push_back(types::Text(
+        "squat: amplitude %.4g m, drawn in to %.4g m at the end to keep %.4g m/s2",
+        0.5 * (c.depth_m - c.straight_margin_m), chirp->end_amplitude_m(), c.acceleration_m_s2));
     return chirp;
   };
 }

@@ -10,6 +10,7 @@
 #include <optional>
 
 #include "components/base/config/config.h"
+#include "components/base/types/text.h"
 #include "components/record/logger/player/control_socket.h"
 #include "components/record/logger/player/pace.h"
 #include "components/record/logger/player/participant/answers.h"
@@ -304,9 +305,7 @@ class Player {
   std::string Seek(double seconds) {
     const double duration_s = static_cast<double>(playlist_.duration_ns()) * 1e-9;
     if (!(seconds >= 0.0 && seconds <= duration_s)) {
-      char text[96];
-      std::snprintf(text, sizeof(text), "seek: %.3f s, expected 0 to %.3f", seconds, duration_s);
-      return text;
+      return types::Text("seek: %.3f s, expected 0 to %.3f", seconds, duration_s);
     }
     BeginPass(static_cast<std::int64_t>(std::llround(seconds * 1e9)));
     return "";
