@@ -276,7 +276,7 @@ void JointPlant::UpdateDrive(double dt_s) noexcept {
 
 double JointPlant::encoder_error_rad() const noexcept { return Sum(encoder_, sample_); }
 
-LinkLoad JointPlant::Begin(double position_rad, double velocity_rad_s, double dt_s) noexcept {
+void JointPlant::MoveTo(double position_rad, double velocity_rad_s, double dt_s) noexcept {
   if (has_play()) {
     rotor_position_rad_ += 0.5 * dt_s * rotor_velocity_rad_s_;
   } else {
@@ -287,6 +287,10 @@ LinkLoad JointPlant::Begin(double position_rad, double velocity_rad_s, double dt
   sample_.velocity_rad_s = velocity_rad_s;
   sample_.motor_position_rad = gear_ratio_ * rotor_position_rad_;
   sample_.motor_velocity_rad_s = gear_ratio_ * rotor_velocity_rad_s_;
+}
+
+LinkLoad JointPlant::Begin(double position_rad, double velocity_rad_s, double dt_s) noexcept {
+  MoveTo(position_rad, velocity_rad_s, dt_s);
   last_velocity_ = velocity_rad_s;
   UpdateDrive(dt_s);
 
@@ -349,12 +353,7 @@ LinkLoad JointPlant::Begin(double position_rad, double velocity_rad_s, double dt
 }
 
 void JointPlant::End(double position_rad, double velocity_rad_s, double dt_s) noexcept {
-  if (has_play()) {
-    rotor_position_rad_ += 0.5 * dt_s * rotor_velocity_rad_s_;
-  } else {
-    rotor_position_rad_ = position_rad;
-    rotor_velocity_rad_s_ = velocity_rad_s;
-  }
+  MoveTo(position_rad, velocity_rad_s, dt_s);
   if (!output_.jerk.empty() || !output_.snap.empty()) {
     const double acceleration = (velocity_rad_s - last_velocity_) / dt_s;
     const double share = -std::expm1(-dt_s / motion_filter_s_);
@@ -363,10 +362,6 @@ void JointPlant::End(double position_rad, double velocity_rad_s, double dt_s) no
     filtered_jerk_ += share * (jerk - filtered_jerk_);
   }
   sample_.time_s += dt_s;
-  sample_.position_rad = position_rad;
-  sample_.velocity_rad_s = velocity_rad_s;
-  sample_.motor_position_rad = gear_ratio_ * rotor_position_rad_;
-  sample_.motor_velocity_rad_s = gear_ratio_ * rotor_velocity_rad_s_;
   effects::JointSample moved = sample_;
   moved.acceleration_rad_s2 = (velocity_rad_s - last_velocity_) / dt_s;
   moved.motor_acceleration_rad_s2 = gear_ratio_ * moved.acceleration_rad_s2;

@@ -132,6 +132,8 @@ class JointPlant {
   Forces ForcesOn(const Body& body, double velocity, bool reverses_output,
                   bool reverses_motor) noexcept;
   void UpdateDrive(double dt_s) noexcept;
+  // The link as given; a rotor with play drifts by half of the step, any other one follows.
+  void MoveTo(double position_rad, double velocity_rad_s, double dt_s) noexcept;
 
   actuator::JointModel model_;
   JointPlantConfig config_;

@@ -39,5 +39,9 @@ TEST(Utf8, WhatIsNoneHasReplacementCharacters) {
   EXPECT_EQ(JsonText(nlohmann::json{{"file", "\xFC"}}), "{\"file\":\"\uFFFD\"}");
 }
 
+TEST(Entities, AreThoseOfHtmlAndXml) {
+  EXPECT_EQ(Entities("a < b > \"c\" & 'd'"), "a &lt; b &gt; &quot;c&quot; &amp; 'd'");
+}
+
 }  // namespace
 }  // namespace sinew::types
