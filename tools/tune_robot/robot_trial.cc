@@ -8,6 +8,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "components/base/types/require.h"
+
 namespace sinew::tune {
 namespace {
 
@@ -23,15 +25,8 @@ void CheckTrial(const RobotTrialConfig& config, int joints) {
   if (config.pneumatics.size() > static_cast<std::size_t>(joints)) {
     expect("pneumatics", config.pneumatics.size());
   }
-  const auto positive = [](double value) { return std::isfinite(value) && value > 0.0; };
-  if (!positive(config.rate_Hz)) {
-    throw std::invalid_argument("rate_Hz: " + std::to_string(config.rate_Hz) +
-                                ", expected above 0");
-  }
-  if (!positive(config.duration_s)) {
-    throw std::invalid_argument("duration_s: " + std::to_string(config.duration_s) +
-                                ", expected above 0");
-  }
+  types::Require(config.rate_Hz > 0.0, "rate_Hz", config.rate_Hz, "above 0");
+  types::Require(config.duration_s > 0.0, "duration_s", config.duration_s, "above 0");
 }
 
 // Meter of the trial beside the tracking: energies, peaks, heights.

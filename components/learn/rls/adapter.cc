@@ -1,10 +1,10 @@
 #include "components/learn/rls/adapter.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <stdexcept>
-#include <string>
+
+#include "components/base/types/require.h"
 
 namespace sinew::rls {
 
@@ -14,14 +14,9 @@ Adapter::Adapter(const AdapterConfig& config, const std::optional<Eigen::MatrixX
   if (!sea_readout && !pea_readout) {
     throw std::invalid_argument("readouts: none, expected that of a SEA or a PEA network");
   }
-  const auto require = [](double value, const char* name) {
-    if (!std::isfinite(value) || value < 0.0) {
-      throw std::invalid_argument(std::string(name) + ": " + std::to_string(value) +
-                                  ", expected at least 0");
-    }
-  };
-  require(config.slowest_velocity_rad_s, "slowest_velocity_rad_s");
-  require(config.still_after_s, "still_after_s");
+  types::Require(config.slowest_velocity_rad_s >= 0.0, "slowest_velocity_rad_s",
+                 config.slowest_velocity_rad_s, "at least 0");
+  types::Require(config.still_after_s >= 0.0, "still_after_s", config.still_after_s, "at least 0");
   if (sea_readout) slots_[0].emplace(Slot{RecursiveLeastSquares(config.rls, *sea_readout)});
   if (pea_readout) slots_[1].emplace(Slot{RecursiveLeastSquares(config.rls, *pea_readout)});
   Reset();
