@@ -16,7 +16,6 @@
 #include "components/record/recording/mcap_record.h"
 #include "components/topics/node/time_option.h"
 #include "tools/inspect/plot.h"
-#include "tools/inspect/run_tool.h"
 #include "tools/rerun/edited_parts.h"
 #include "tools/rerun/recorded_parts.h"
 #include "tools/rerun/rerun.h"
@@ -184,10 +183,11 @@ RerunInput::Field FirstField(const RerunResult& result) {
 }
 
 void WritePicture(const fs::path& path, const FieldCurve& curve) {
-  const std::string script = inspect::PngScript(
-      curve.topic + "." + curve.field,
-      {{"recorded", curve.time_s, curve.recorded}, {"run again", curve.time_s, curve.rerun}});
-  config::WriteFileAtomically(path, inspect::OutputOf("gnuplot", "gnuplot-nox", {}, script));
+  const std::string axis = curve.topic + "." + curve.field;
+  config::WriteFileAtomically(
+      path, inspect::DrawnPicture({{"recorded", curve.time_s, curve.recorded, axis},
+                                   {"run again", curve.time_s, curve.rerun, axis}},
+                                  "png"));
 }
 
 // Exit code.

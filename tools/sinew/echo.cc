@@ -87,12 +87,13 @@ class Plotter : public MessageSink {
     if (!draws_live_ || plot_->messages() == 0 || Clock::now() < next_) return;
     next_ = Clock::now() + milliseconds(500);
     Unfiltered(std::cout) << "\x1b[H\x1b[2J";
-    std::cout << plot_->Draw() << std::flush;
+    Unfiltered(std::cout) << DrawnHere(plot_->curves(), 2) << std::flush;
   }
   void End() override {
     if (plot_->messages() == 0) return;
-    if (!draws_live_) std::cout << plot_->Draw();
-    if (!options_.png.empty()) plot_->WritePng(options_.png);
+    if (!draws_live_) Unfiltered(std::cout) << DrawnHere(plot_->curves(), 2);
+    if (options_.png.empty()) return;
+    config::WriteFileAtomically(options_.png, inspect::DrawnPicture(plot_->curves(), "png"));
   }
 
  private:

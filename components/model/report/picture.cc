@@ -28,9 +28,10 @@ std::string DataBlock(const std::string& name, const Series& series) {
   return out + "EOD\n";
 }
 
-// In quotes; those in the text would end gnuplot's string.
+// In quotes; those in the text, and line ends, would end gnuplot's string.
 std::string Quoted(std::string text) {
-  std::replace(text.begin(), text.end(), '\'', ' ');
+  std::replace_if(
+      text.begin(), text.end(), [](char c) { return c == '\'' || c == '\n'; }, ' ');
   return "'" + text + "'";
 }
 
@@ -88,7 +89,7 @@ Picture Chart(const std::string& title, const std::string& caption, const std::s
 
 std::string PictureNumber(double value) {
   char text[40];
-  std::snprintf(text, sizeof text, "%.5g", value);
+  std::snprintf(text, sizeof text, "%.7g", value);
   return text;
 }
 
