@@ -5,6 +5,8 @@
 #include <map>
 
 #include "components/base/config/config.h"
+#include "components/base/types/did_you_mean.h"
+#include "components/base/types/joined.h"
 #include "components/record/recording/cdr.h"
 #include "components/record/recording/session_clock.h"
 
@@ -20,12 +22,13 @@ struct Header {
   recording::CdrField session, tick;
 };
 
-std::string TopicsOf(const recording::McapReader& reader) {
+std::string NoTopic(const recording::McapReader& reader, const std::string& topic) {
   std::set<std::string> names;
   for (const auto& [id, channel] : reader.channels()) names.insert(channel.topic);
-  std::string text;
-  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
-  return text.empty() ? "none" : text;
+  const std::vector<std::string> known(names.begin(), names.end());
+  return "no topic '" + topic +
+         "', expected one of: " + (known.empty() ? "none" : types::Joined(known)) +
+         types::DidYouMean(topic, known);
 }
 
 }  // namespace
@@ -36,7 +39,8 @@ bool IsInside(const McapMessage& message, const std::optional<recording::TimeRan
   return time_s >= range->start_s && time_s < range->end_s;
 }
 
-Tables::Tables(const recording::RecordingPath& path, const std::set<std::string>& topics)
+Tables::Tables(const recording::RecordingPath& path, const std::set<std::string>& topics,
+               const std::set<std::string>& also)
     : path_(path), source_(path.file) {
   const std::string file = path_.file.string();
   try {
@@ -44,11 +48,12 @@ Tables::Tables(const recording::RecordingPath& path, const std::set<std::string>
     std::map<std::string, recording::MessageType> types;
     std::map<std::string, const recording::McapSchema*> schemas;
     for (const auto& [id, channel] : reader_->channels()) {
-      if (!topics.empty() && !topics.contains(channel.topic)) continue;
+      const bool wanted = topics.contains(channel.topic);
+      if (!topics.empty() && !wanted && !also.contains(channel.topic)) continue;
       try {
         types.emplace(channel.topic, recording::MessageTypeOf(*reader_, channel));
       } catch (const recording::NotReadable& error) {
-        if (!topics.empty()) throw UsageError(file + ": " + error.what());
+        if (wanted) throw UsageError(file + ": " + error.what());
         left_out_.emplace(channel.topic, error.what());
         continue;
       }
@@ -60,10 +65,7 @@ Tables::Tables(const recording::RecordingPath& path, const std::set<std::string>
       }
     }
     for (const std::string& topic : topics) {
-      if (!types.contains(topic)) {
-        throw UsageError(file + ": no topic '" + topic +
-                         "', expected one of: " + TopicsOf(*reader_));
-      }
+      if (!types.contains(topic)) throw UsageError(file + ": " + NoTopic(*reader_, topic));
     }
     for (const auto& [topic, type] : types) {
       auto table = std::make_unique<TopicTable>();

@@ -21,6 +21,7 @@
 #include "tools/sinew/operator.h"
 #include "tools/sinew/performance.h"
 #include "tools/sinew/permit_replay.h"
+#include "tools/sinew/plot.h"
 #include "tools/sinew/record.h"
 #include "tools/sinew/recover.h"
 #include "tools/sinew/render.h"
@@ -54,6 +55,7 @@ void AddCoreCommands(CLI::App& app) {
   AddExperimentCommand(app);
   AddListCommand(app);
   AddEchoCommand(app);
+  AddPlotCommand(app);
   AddHzCommand(app);
   AddGraphCommand(app);
   AddDoctorCommand(app);

@@ -87,11 +87,11 @@ class Plotter : public MessageSink {
     if (!draws_live_ || plot_->messages() == 0 || Clock::now() < next_) return;
     next_ = Clock::now() + milliseconds(500);
     Unfiltered(std::cout) << "\x1b[H\x1b[2J";
-    Unfiltered(std::cout) << DrawnHere(plot_->curves(), 2) << std::flush;
+    Unfiltered(std::cout) << DrawnHere(plot_->curves()) << std::flush;
   }
   void End() override {
     if (plot_->messages() == 0) return;
-    if (!draws_live_) Unfiltered(std::cout) << DrawnHere(plot_->curves(), 2);
+    if (!draws_live_) Unfiltered(std::cout) << DrawnHere(plot_->curves());
     if (options_.png.empty()) return;
     config::WriteFileAtomically(options_.png, inspect::DrawnPicture(plot_->curves(), "png"));
   }

@@ -45,10 +45,11 @@ void EchoPlot::Add(std::span<const std::byte> payload, std::int64_t arrival_ns) 
   }
 }
 
-std::string DrawnHere(const std::vector<inspect::Curve>& curves, int spare_rows) {
+std::string DrawnHere(const std::vector<inspect::Curve>& curves, int columns, int rows) {
   const TerminalSize size = SizeOfTerminal(STDOUT_FILENO);
   return inspect::DrawnInTerminal(
-      curves, {size.columns, size.rows - spare_rows, launch::WantsColour(STDOUT_FILENO)});
+      curves, {columns > 0 ? columns : size.columns, rows > 0 ? rows : size.rows - 2,
+               launch::WantsColour(STDOUT_FILENO)});
 }
 
 }  // namespace sinew::tools

@@ -36,8 +36,9 @@ class EchoPlot {
   std::uint64_t messages_ = 0;
 };
 
-// Text of a plot as large as the terminal but for some rows, in colour where it has any; 80 x 24
-// without one. Throws UsageError without gnuplot, std::runtime_error when it fails.
-std::string DrawnHere(const std::vector<inspect::Curve>& curves, int spare_rows);
+// Text of a plot as large as the terminal but for two rows, in colour where it has any; 80 x 24
+// without one. columns, rows: 0, or in place of the terminal's. Throws UsageError without gnuplot,
+// std::runtime_error when it fails.
+std::string DrawnHere(const std::vector<inspect::Curve>& curves, int columns = 0, int rows = 0);
 
 }  // namespace sinew::tools

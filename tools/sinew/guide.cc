@@ -26,7 +26,7 @@ const std::array<Group, 5>& Groups() {
        {"launch", "compose", "arm", "disarm", "estop", "reset", "handover", "permit-replay",
         "conform", "isolate", "enter", "security"}},
       {"Commands to look at it",
-       {"list", "echo", "hz", "graph", "doctor", "view", "score", "performance", "render"}},
+       {"list", "echo", "plot", "hz", "graph", "doctor", "view", "score", "performance", "render"}},
       {"Commands to record and replay",
        {"record", "replay", "replay-control", "rerun", "snapshot", "import", "export", "recover",
         "attachments"}},
