@@ -15,6 +15,7 @@
 #include "components/record/recording/file/file_io.h"
 #include "components/record/recording/mcap_record.h"
 #include "components/topics/node/time_option.h"
+#include "tools/inspect/message_text.h"
 #include "tools/inspect/plot.h"
 #include "tools/rerun/edited_parts.h"
 #include "tools/rerun/recorded_parts.h"
@@ -162,12 +163,12 @@ void PrintJson(const RerunResult& result) {
 }
 
 RerunInput::Field ParseField(const std::string& text) {
-  const std::size_t dot = text.find('.');
-  if (dot == std::string::npos || dot == 0 || dot + 1 == text.size()) {
+  const inspect::TopicField parts = inspect::SplitField(text);
+  if (parts.topic.empty() || parts.field.empty()) {
     throw UsageError("--field " + text +
                      ": expected TOPIC.FIELD, e.g. joint_command.position_rad[0]");
   }
-  return {text.substr(0, dot), text.substr(dot + 1)};
+  return {parts.topic, parts.field};
 }
 
 // The field of a picture when none was named: the first number that differs.

@@ -1,4 +1,4 @@
-// `sinew plot` as a program.
+// `sinew plot`, and what `sinew echo` prints of a recording.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -65,6 +65,11 @@ class RecordedPlot : public ::testing::Test {
   // In the terminal, of which there is none.
   Finished Plot(std::vector<std::string> words) const {
     words.insert(words.begin(), {kSinew, "plot", path_.string()});
+    return testing::Run(words);
+  }
+  Finished Echo(std::vector<std::string> words) const {
+    words.insert(words.begin(), {kSinew, "echo"});
+    words.insert(words.end(), {"--from", path_.string()});
     return testing::Run(words);
   }
 
@@ -150,6 +155,34 @@ TEST_F(RecordedPlot, WhatIsNotThereIsOneLineThatNamesWhatIs) {
   const Finished broken = testing::Run({kSinew, "plot", text, "joint_state.position_rad[0]"});
   EXPECT_EQ(broken.exit_code, 2);
   EXPECT_THAT(broken.error, HasSubstr("byte 0: no MCAP file"));
+}
+
+TEST_F(RecordedPlot, EchoPrintsOneFieldOfATopic) {
+  const Finished one = Echo({"joint_state.torque_Nm[0]", "-n", "2"});
+  ASSERT_EQ(one.exit_code, 0) << one.error;
+  EXPECT_EQ(one.output, "3.0\n3.0\n");
+  const Finished joints = Echo({"joint_state.torque_Nm", "--once"});
+  ASSERT_EQ(joints.exit_code, 0) << joints.error;
+  EXPECT_EQ(joints.output, "[3.0,0.0]\n") << "the two joints";
+  const Finished json =
+      Echo({"joint_state.torque_Nm", "--field", "header.tick", "--once", "--json"});
+  EXPECT_EQ(json.output, "{\"torque_Nm\":[3.0,0.0],\"header.tick\":0}\n");
+}
+
+// 2 s of simulated time: 0, 0.25, 0.5, 0.75 s of each session.
+TEST_F(RecordedPlot, EchoPrintsAtMostAtTheRate) {
+  const Finished run = Echo({"joint_state.header.tick", "--rate", "4"});
+  ASSERT_EQ(run.exit_code, 0) << run.error;
+  EXPECT_EQ(run.output, "0\n25\n50\n75\n0\n25\n50\n75\n");
+}
+
+TEST_F(RecordedPlot, EchoRefusesWhatIsNotThere) {
+  const Finished field = Echo({"joint_state.angle"});
+  EXPECT_EQ(field.exit_code, 2);
+  EXPECT_THAT(field.error, HasSubstr("no field 'angle'"));
+  const Finished topic = Echo({"refrence", "--once"});
+  EXPECT_EQ(topic.exit_code, 2);
+  EXPECT_THAT(topic.error, HasSubstr("did you mean 'reference'?"));
 }
 
 }  // namespace
