@@ -1,4 +1,4 @@
-// `sinew plot`, and what `sinew echo` prints of a recording.
+// `sinew plot`, and what `sinew echo` and `sinew list` print of a recording.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -35,7 +35,7 @@ class RecordedPlot : public ::testing::Test {
     recording::McapWriter writer(sink);
     ASSERT_TRUE(writer.Open().ok());
     std::map<std::string, recording::ChannelId> channels;
-    for (const char* topic : {"joint_state", "reference"}) {
+    for (const char* topic : {"joint_state", "reference", "component_status"}) {
       ASSERT_TRUE(recording::AddTopic(testing::SchemaOf(topic), &writer, &channels[topic]).ok());
     }
     std::int64_t log_ns = 1'700'000'000'000'000'000;
@@ -59,6 +59,10 @@ class RecordedPlot : public ::testing::Test {
                         .ok());
       }
     }
+    ASSERT_TRUE(writer
+                    .WriteMessage(channels["component_status"], log_ns, 0,
+                                  testing::MakeMessage("component_status", {}))
+                    .ok());
     ASSERT_TRUE(writer.Close().ok() && sink.Close().ok());
   }
 
@@ -137,7 +141,7 @@ TEST_F(RecordedPlot, WhatIsNotThereIsOneLineThatNamesWhatIs) {
     std::vector<const char*> parts;
   } kCases[] = {
       {{"joint_stat.position_rad[0]"},
-       {"no topic 'joint_stat', expected one of: joint_state, reference",
+       {"no topic 'joint_stat', expected one of: component_status, joint_state, reference",
         "did you mean 'joint_state'?"}},
       {{"joint_state.positon_rad[0]"},
        {"no field 'positon_rad[0]' in 'joint_state'", "header.tick",
@@ -183,6 +187,21 @@ TEST_F(RecordedPlot, EchoRefusesWhatIsNotThere) {
   const Finished topic = Echo({"refrence", "--once"});
   EXPECT_EQ(topic.exit_code, 2);
   EXPECT_THAT(topic.error, HasSubstr("did you mean 'reference'?"));
+}
+
+TEST_F(RecordedPlot, ListShowsTheTopicsOfTheRobotAndWithAllEverything) {
+  const Finished list = testing::Run({kSinew, "list", path_.string()});
+  ASSERT_EQ(list.exit_code, 0) << list.error;
+  EXPECT_THAT(list.output,
+              AllOf(HasSubstr("run.mcap: 301 messages, "),
+                    HasSubstr("\njoint_state                 200  JointState         \n"),
+                    HasSubstr("\nreference                   100  Reference          \n"),
+                    HasSubstr("\nnot shown without --all: component_status\n")));
+  EXPECT_LE(std::count(list.output.begin(), list.output.end(), '\n'), 20);
+  const Finished all = testing::Run({kSinew, "list", path_.string(), "--all"});
+  ASSERT_EQ(all.exit_code, 0) << all.error;
+  EXPECT_THAT(all.output, AllOf(HasSubstr("\ncomponent_status "), HasSubstr("sinew::msg::Ref"),
+                                Not(HasSubstr("not shown"))));
 }
 
 }  // namespace
