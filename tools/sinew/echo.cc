@@ -59,7 +59,7 @@ struct EchoOptions {
   bool once = false, json = false;
 };
 
-// Which messages are printed: at most so many a second of their time.
+// A choice of messages: at most so many a second of their time.
 class RateLimit {
  public:
   explicit RateLimit(double rate_Hz)

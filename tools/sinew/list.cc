@@ -405,7 +405,7 @@ void PrintCutOff(const Json& report) {
             << report["cut_off"]["reason"].get<std::string>() << ")\n";
 }
 
-// What is shown of metadata without --all.
+// Metadata that are shown without --all.
 bool IsInSummary(const std::string& name, const std::string& key, const std::string& value) {
   static const std::set<std::string> kRun = {"deployment", "domain_id", "host",   "mode",
                                              "seed",       "started",   "version"};

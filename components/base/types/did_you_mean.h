@@ -1,4 +1,4 @@
-// What a mistyped word may have meant.
+// The known word that a mistyped one may have meant.
 #pragma once
 
 #include <string>
