@@ -6,7 +6,6 @@
 
 #include "components/base/config/config.h"
 #include "components/base/types/did_you_mean.h"
-#include "components/base/types/joined.h"
 #include "components/record/recording/cdr.h"
 #include "components/record/recording/session_clock.h"
 
@@ -22,13 +21,10 @@ struct Header {
   recording::CdrField session, tick;
 };
 
-std::string NoTopic(const recording::McapReader& reader, const std::string& topic) {
+std::vector<std::string> TopicsOf(const recording::McapReader& reader) {
   std::set<std::string> names;
   for (const auto& [id, channel] : reader.channels()) names.insert(channel.topic);
-  const std::vector<std::string> known(names.begin(), names.end());
-  return "no topic '" + topic +
-         "', expected one of: " + (known.empty() ? "none" : types::Joined(known)) +
-         types::DidYouMean(topic, known);
+  return {names.begin(), names.end()};
 }
 
 }  // namespace
@@ -45,13 +41,13 @@ Tables::Tables(const recording::RecordingPath& path, const std::set<std::string>
   const std::string file = path_.file.string();
   try {
     reader_ = std::make_unique<recording::McapReader>(source_);
-    std::map<std::string, recording::MessageType> types;
+    std::map<std::string, recording::MessageType> known_types;
     std::map<std::string, const recording::McapSchema*> schemas;
     for (const auto& [id, channel] : reader_->channels()) {
       const bool wanted = topics.contains(channel.topic);
       if (!topics.empty() && !wanted && !also.contains(channel.topic)) continue;
       try {
-        types.emplace(channel.topic, recording::MessageTypeOf(*reader_, channel));
+        known_types.emplace(channel.topic, recording::MessageTypeOf(*reader_, channel));
       } catch (const recording::NotReadable& error) {
         if (wanted) throw UsageError(file + ": " + error.what());
         left_out_.emplace(channel.topic, error.what());
@@ -65,9 +61,10 @@ Tables::Tables(const recording::RecordingPath& path, const std::set<std::string>
       }
     }
     for (const std::string& topic : topics) {
-      if (!types.contains(topic)) throw UsageError(file + ": " + NoTopic(*reader_, topic));
+      if (known_types.contains(topic)) continue;
+      throw UsageError(file + ": " + types::NoSuch("topic", topic, TopicsOf(*reader_)));
     }
-    for (const auto& [topic, type] : types) {
+    for (const auto& [topic, type] : known_types) {
       auto table = std::make_unique<TopicTable>();
       table->topic = topic;
       table->type = type;

@@ -100,22 +100,23 @@ class Canvas {
       : columns_(columns), rows_(rows), cells_(static_cast<std::size_t>(columns * rows)) {}
 
   void Draw(const Curve& curve, std::size_t number, const Interval& time, const Interval& value) {
-    bool joined = false;  // with the point before
-    double last_x = 0.0, last_y = 0.0;
+    constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+    double last_x = kNone, last_y = kNone;
     for (std::size_t i = 0; i < curve.value.size(); ++i) {
-      if (!IsDrawn(curve.value[i])) {
-        joined = false;
-        continue;
-      }
+      if (!IsDrawn(curve.value[i])) last_x = kNone;
+      if (!IsDrawn(curve.value[i])) continue;
       const double x = 2.0 * (0.5 + time.ShareAt(curve.time_s[i]) * (columns_ - 1));
       const double y = 4.0 * (0.5 + (1.0 - value.ShareAt(curve.value[i])) * (rows_ - 1));
-      if (!joined) last_x = x, last_y = y;
+      if (std::isnan(last_x)) {
+        last_x = x;
+        last_y = y;
+      }
       const double steps = std::ceil(std::max({std::abs(x - last_x), std::abs(y - last_y), 1.0}));
       for (double k = 1.0; k <= steps; ++k) {
         Dot(last_x + (x - last_x) * k / steps, last_y + (y - last_y) * k / steps, number);
       }
-      last_x = x, last_y = y;
-      joined = true;
+      last_x = x;
+      last_y = y;
     }
   }
 
@@ -254,18 +255,12 @@ std::string DrawnInTerminal(const std::vector<Curve>& curves, const TerminalStyl
 
 std::string DrawnPicture(const std::vector<Curve>& curves, const std::string& format, int width_px,
                          int height_px) {
-  std::vector<std::string> colours = {report::kAfterColour, report::kBeforeColour};
-  colours.insert(colours.end(), std::begin(report::kSeriesColours),
-                 std::end(report::kSeriesColours));
   std::vector<report::Panel> panels;
-  std::size_t number = 0;
   for (const PlotPanel& panel : PanelsOf(curves, false)) {
     panels.push_back({panel.label, {}});
-    for (const Curve* curve : panel.curves) {
-      panels.back().series.push_back(Thinned(*curve));
-      panels.back().series.back().colour = colours[number++ % colours.size()];
-    }
+    for (const Curve* curve : panel.curves) panels.back().series.push_back(Thinned(*curve));
   }
+  if (width_px == 0) width_px = 920;
   if (height_px == 0) height_px = kAround_px + kPanel_px * static_cast<int>(panels.size());
   const int panel_px = std::max(1, (height_px - kAround_px) / static_cast<int>(panels.size()));
   std::string script = report::Chart("", "", "time, s", panel_px, panels).script;

@@ -28,9 +28,10 @@ struct TerminalStyle {
 // Values that are not finite are gaps. Both throw UsageError without gnuplot, std::runtime_error
 // when it fails.
 std::string DrawnInTerminal(const std::vector<Curve>& curves, const TerminalStyle& style);
-// Content of a file, "png" or "svg", in the style of the reports' pictures. height_px 0: by the
-// number of panels. Of many points between two pixels the least and the greatest are drawn.
+// Content of a file, "png" or "svg", in the style of the reports' pictures. width_px 0: 920;
+// height_px 0: by the number of panels. Of many points between two pixels the least and the
+// greatest are drawn.
 std::string DrawnPicture(const std::vector<Curve>& curves, const std::string& format,
-                         int width_px = 920, int height_px = 0);
+                         int width_px = 0, int height_px = 0);
 
 }  // namespace sinew::inspect

@@ -21,7 +21,6 @@
 
 #include "components/base/config/config.h"
 #include "components/base/types/did_you_mean.h"
-#include "components/base/types/joined.h"
 #include "components/base/types/json_text.h"
 #include "components/model/report/section.h"
 #include "components/record/recording/cdr.h"
@@ -233,11 +232,6 @@ std::unique_ptr<MessageSink> MakeSink(const std::string& topic, const std::strin
   return std::make_unique<Printer>(topic, type_name, idl, options);
 }
 
-std::string NoTopic(const std::string& topic, const std::vector<std::string>& known) {
-  return "no topic '" + topic + "', expected one of: " + types::Joined(known) +
-         types::DidYouMean(topic, known);
-}
-
 void EchoFile(const EchoOptions& options) {
   recording::FileSource source(options.from);
   try {
@@ -250,7 +244,7 @@ void EchoFile(const EchoOptions& options) {
     }
     if (schema == nullptr) {
       throw UsageError(options.from.string() + ": " +
-                       NoTopic(options.topic, {names.begin(), names.end()}));
+                       types::NoSuch("topic", options.topic, {names.begin(), names.end()}));
     }
     const auto sink = MakeSink(options.topic, schema->name, schema->data, options);
     recording::MessageFilter filter;
@@ -286,7 +280,7 @@ void EchoDomain(const EchoOptions& options, const node::StopFlag& stop) {
   if (topic == nullptr) {
     std::vector<std::string> names;
     for (const node::TopicInfo& known : node::AllTopics()) names.push_back(known.name);
-    throw UsageError(NoTopic(options.topic, names));
+    throw UsageError(types::NoSuch("topic", options.topic, names));
   }
   const auto sink = MakeSink(topic->name, topic->type_name, topic->idl, options);
 

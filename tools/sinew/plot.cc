@@ -87,12 +87,9 @@ std::vector<PickedEntry> EntriesOf(const Tables& tables, const std::string& file
     if (tables.list()[t]->topic != asked.topic) continue;
     const std::vector<Column>& columns = tables.list()[t]->columns->list();
     for (std::size_t c = 0; c < columns.size(); ++c) {
+      if (!columns[c].leaf->is_number()) continue;
       fields.push_back(columns[c].path);
       if (columns[c].path != asked.field.substr(0, asked.field.find('['))) continue;
-      if (!columns[c].leaf->is_number()) {
-        throw UsageError(file + ": '" + asked.topic + "." + asked.field +
-                         "' is a text, expected a number");
-      }
       for (std::size_t e = 0; e < columns[c].entries(); ++e) {
         entries.push_back(columns[c].EntryName(e));
         if ((entries.back() + "[").starts_with(asked.field + "[")) picked.push_back({t, c, e});
@@ -101,9 +98,8 @@ std::vector<PickedEntry> EntriesOf(const Tables& tables, const std::string& file
   }
   if (!picked.empty()) return picked;
   if (fields.empty()) throw UsageError(file + ": no message of '" + asked.topic + "'");
-  throw UsageError(file + ": no field '" + asked.field + "' in '" + asked.topic +
-                   "', expected one of: " + types::Joined(entries.empty() ? fields : entries) +
-                   types::DidYouMean(asked.field, fields));
+  throw UsageError(file + ": " + asked.topic + ": " +
+                   types::NoSuch("field", asked.field, entries.empty() ? fields : entries));
 }
 
 // Rows of each table, as they were received. A message without a header counts to the session and
@@ -178,16 +174,15 @@ void Fill(const std::vector<PlotSession>& sessions, const std::vector<PlotRow>& 
     }
     std::stable_sort(ordered.begin(), ordered.end(),
                      [](const PlotRow* a, const PlotRow* b) { return a->tick < b->tick; });
-    const bool gap = !curve->time_s.empty();
+    if (!curve->time_s.empty()) {
+      curve->time_s.push_back(curve->time_s.back());
+      curve->value.push_back(std::numeric_limits<double>::quiet_NaN());
+    }
     for (const PlotRow* row : ordered) {
       const std::int64_t time_ns =
           row->stamp_ns + session.clock.ShiftOf(row->tick) + session.add_ns;
       const double time_s = 1e-9 * static_cast<double>(time_ns);
       if (time_s < options.from_s || time_s > options.to_s) continue;
-      if (gap && row == ordered.front()) {
-        curve->time_s.push_back(time_s);
-        curve->value.push_back(std::numeric_limits<double>::quiet_NaN());
-      }
       curve->time_s.push_back(time_s);
       curve->value.push_back(row->values[index]);
     }
@@ -258,8 +253,7 @@ void PlotRecordings(const PlotOptions& options) {
   for (const auto& [format, path] : pictures) {
     if (path.empty()) continue;
     config::WriteFileAtomically(
-        path, inspect::DrawnPicture(curves, format, options.width > 0 ? options.width : 920,
-                                    options.height));
+        path, inspect::DrawnPicture(curves, format, options.width, options.height));
   }
   if (!options.png.empty() || !options.svg.empty()) return;
   Unfiltered(std::cout) << DrawnHere(curves, options.width, options.height) << std::flush;

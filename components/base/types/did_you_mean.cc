@@ -4,6 +4,8 @@
 #include <numeric>
 #include <utility>
 
+#include "components/base/types/joined.h"
+
 namespace sinew::types {
 
 namespace {
@@ -37,6 +39,13 @@ std::string DidYouMean(const std::string& word, const std::vector<std::string>& 
     nearest = one;
   }
   return nearest.empty() ? "" : "; did you mean '" + nearest + "'?";
+}
+
+std::string NoSuch(const std::string& what, const std::string& word,
+                   const std::vector<std::string>& known) {
+  return "no " + what + " '" + word +
+         "', expected one of: " + (known.empty() ? "none" : Joined(known)) +
+         DidYouMean(word, known);
 }
 
 }  // namespace sinew::types

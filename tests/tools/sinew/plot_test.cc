@@ -130,7 +130,7 @@ TEST_F(RecordedPlot, PicturesAreWrittenAsPngAndSvg) {
 }
 
 TEST_F(RecordedPlot, SeveralRecordingsAreNamed) {
-  const Finished run = Plot({path_.string(), "joint_state.torque_Nm[0]"});
+  const Finished run = Plot({path_.string(), "joint_state.torque_Nm[0]", "--width", "200"});
   ASSERT_EQ(run.exit_code, 0) << run.error;
   EXPECT_THAT(run.output, HasSubstr("run.mcap: joint_state.torque_Nm[0]"));
 }
@@ -144,8 +144,7 @@ TEST_F(RecordedPlot, WhatIsNotThereIsOneLineThatNamesWhatIs) {
        {"no topic 'joint_stat', expected one of: component_status, joint_state, reference",
         "did you mean 'joint_state'?"}},
       {{"joint_state.positon_rad[0]"},
-       {"no field 'positon_rad[0]' in 'joint_state'", "header.tick",
-        "did you mean 'position_rad'?"}},
+       {"joint_state: no field 'positon_rad[0]'", "header.tick", "did you mean 'position_rad'?"}},
       {{"joint_state.position_rad[2]"}, {"expected one of: position_rad[0], position_rad[1]"}},
       {{"joint_state"}, {"'joint_state': expected TOPIC.FIELD"}},
       {{}, {"no field, expected TOPIC.FIELD"}}};

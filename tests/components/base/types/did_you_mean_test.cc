@@ -13,6 +13,9 @@ TEST(DidYouMean, TheNearestWordIsNamedAndAStrangeOneNone) {
   EXPECT_EQ(DidYouMean("weather", known), "");
   EXPECT_EQ(DidYouMean("", known), "");
   EXPECT_EQ(DidYouMean("imu", {}), "");
+  EXPECT_EQ(NoSuch("topic", "imus", {"imu", "regime"}),
+            "no topic 'imus', expected one of: imu, regime; did you mean 'imu'?");
+  EXPECT_EQ(NoSuch("topic", "imu", {}), "no topic 'imu', expected one of: none");
 }
 
 }  // namespace
