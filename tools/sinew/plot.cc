@@ -4,24 +4,24 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <iostream>
-#include <iterator>
 #include <limits>
 #include <map>
 #include <memory>
+#include <optional>
 #include <set>
+#include <span>
 #include <string>
-#include <string_view>
-#include <type_traits>
 #include <utility>
-#include <variant>
 #include <vector>
 
 #include "components/base/config/config.h"
 #include "components/base/types/did_you_mean.h"
 #include "components/base/types/joined.h"
+#include "components/record/recording/cdr.h"
 #include "components/record/recording/session_clock.h"
 #include "components/topics/node/time_option.h"
 #include "tools/export_recording/tables.h"
@@ -33,7 +33,6 @@ namespace sinew::tools {
 
 namespace {
 
-using export_recording::Column;
 using export_recording::Tables;
 
 constexpr const char* kClockTopic = "joint_state";
@@ -48,7 +47,8 @@ struct PlotOptions {
 
 // An entry of a field that was asked for.
 struct PickedEntry {
-  std::size_t table, column, entry;
+  std::size_t table;
+  std::string path;  // "position_rad[0]"
 };
 
 struct PlotRow {
@@ -64,17 +64,13 @@ struct PlotSession {
   std::int64_t add_ns = 0;  // to a stamp of the clock: time from the recording's start
 };
 
-template <class Number>
-Number NumberOf(const export_recording::Cell& cell, Number of_text) {
-  return std::visit(
-      [of_text](const auto& value) {
-        if constexpr (std::is_same_v<std::decay_t<decltype(value)>, std::string_view>) {
-          return of_text;
-        } else {
-          return static_cast<Number>(value);
-        }
-      },
-      cell);
+// NaN where a list of the message is too short; it was decoded before.
+double ValueOf(const recording::CdrField& field, std::span<const std::byte> payload) {
+  try {
+    return field.AsDouble(payload);
+  } catch (const recording::CdrError&) {
+    return std::numeric_limits<double>::quiet_NaN();
+  }
 }
 
 // Entries of a field: the one with its indices, or all in use. Throws UsageError naming what is
@@ -85,14 +81,15 @@ std::vector<PickedEntry> EntriesOf(const Tables& tables, const std::string& file
   std::vector<std::string> fields, entries;
   for (std::size_t t = 0; t < tables.list().size(); ++t) {
     if (tables.list()[t]->topic != asked.topic) continue;
-    const std::vector<Column>& columns = tables.list()[t]->columns->list();
-    for (std::size_t c = 0; c < columns.size(); ++c) {
-      if (!columns[c].leaf->is_number()) continue;
-      fields.push_back(columns[c].path);
-      if (columns[c].path != asked.field.substr(0, asked.field.find('['))) continue;
-      for (std::size_t e = 0; e < columns[c].entries(); ++e) {
-        entries.push_back(columns[c].EntryName(e));
-        if ((entries.back() + "[").starts_with(asked.field + "[")) picked.push_back({t, c, e});
+    for (const export_recording::Column& column : tables.list()[t]->columns->list()) {
+      if (!column.leaf->is_number()) continue;
+      fields.push_back(column.path);
+      if (column.path != asked.field.substr(0, asked.field.find('['))) continue;
+      for (std::size_t e = 0; e < column.entries(); ++e) {
+        entries.push_back(column.EntryName(e));
+        if ((entries.back() + "[").starts_with(asked.field + "[")) {
+          picked.push_back({t, entries.back()});
+        }
       }
     }
   }
@@ -107,36 +104,30 @@ std::vector<PickedEntry> EntriesOf(const Tables& tables, const std::string& file
 std::vector<std::vector<PlotRow>> RowsOf(const Tables& tables,
                                          const std::vector<PickedEntry>& picked) {
   struct Source {
-    std::vector<PickedEntry> picked;
-    std::size_t session, tick;  // columns of the header
+    std::optional<recording::CdrField> session, tick;
+    std::vector<recording::CdrField> fields;
   };
-  std::vector<Source> sources;
-  for (std::size_t t = 0; t < tables.list().size(); ++t) {
-    const std::vector<Column>& columns = tables.list()[t]->columns->list();
-    const auto column = [&](const char* path) {
-      const auto found = std::find_if(columns.begin(), columns.end(),
-                                      [path](const Column& one) { return one.path == path; });
-      return static_cast<std::size_t>(found - columns.begin());
-    };
-    sources.push_back({{}, column("header.session_id"), column("header.tick")});
-    std::copy_if(picked.begin(), picked.end(), std::back_inserter(sources.back().picked),
-                 [t](const PickedEntry& one) { return one.table == t; });
+  std::vector<Source> sources(tables.list().size());
+  for (std::size_t t = 0; t < sources.size(); ++t) {
+    const recording::IdlType& type = *tables.list()[t]->type.type;
+    if (!recording::HasField(type, "header.session_id")) continue;
+    sources[t].session.emplace(type, "header.session_id");
+    sources[t].tick.emplace(type, "header.tick");
+  }
+  for (const PickedEntry& one : picked) {
+    sources[one.table].fields.emplace_back(*tables.list()[one.table]->type.type, one.path);
   }
   std::vector<std::vector<PlotRow>> rows(sources.size());
   std::uint64_t session = 0, tick = 0;
   tables.Read([&](std::size_t t, const recording::McapMessage& message) {
-    const Source& source = sources[t];
-    std::vector<double> values(source.picked.size(), std::numeric_limits<double>::quiet_NaN());
-    tables.list()[t]->columns->ForEach(message.data, [&](std::size_t column, std::size_t entry,
-                                                         const export_recording::Cell& cell) {
-      if (column == source.session) session = NumberOf<std::uint64_t>(cell, 0);
-      if (column == source.tick) tick = NumberOf<std::uint64_t>(cell, 0);
-      for (std::size_t i = 0; i < values.size(); ++i) {
-        if (source.picked[i].column != column || source.picked[i].entry != entry) continue;
-        values[i] = NumberOf(cell, values[i]);
-      }
-    });
-    rows[t].push_back({session, tick, message.publish_time_ns, std::move(values)});
+    if (sources[t].tick) {
+      session = static_cast<std::uint64_t>(sources[t].session->AsInt(message.data));
+      tick = static_cast<std::uint64_t>(sources[t].tick->AsInt(message.data));
+    }
+    rows[t].push_back({session, tick, message.publish_time_ns, {}});
+    for (const recording::CdrField& field : sources[t].fields) {
+      rows[t].back().values.push_back(ValueOf(field, message.data));
+    }
   });
   return rows;
 }
@@ -214,9 +205,8 @@ void AddCurves(const std::string& file, const std::vector<inspect::TopicField>& 
   const std::vector<PlotSession> sessions = SessionsOf(clock);
   std::map<std::size_t, std::size_t> taken;  // entries by table
   for (const PickedEntry& one : picked) {
-    const export_recording::TopicTable& table = *tables.list()[one.table];
-    const std::string name = table.columns->list()[one.column].EntryName(one.entry);
-    curves->push_back(inspect::CurveOf(prefix + table.topic + "." + name, name));
+    const std::string& topic = tables.list()[one.table]->topic;
+    curves->push_back(inspect::CurveOf(prefix + topic + "." + one.path, one.path));
     Fill(sessions, rows[one.table], taken[one.table]++, options, &curves->back());
   }
 }
