@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "components/base/config/config.h"
+#include "components/base/types/did_you_mean.h"
 #include "components/record/recording/cdr.h"
 #include "components/record/recording/session_clock.h"
 
@@ -18,12 +19,10 @@ struct Header {
   recording::CdrField session, tick;
 };
 
-std::string TopicsOf(const recording::McapReader& reader) {
+std::vector<std::string> TopicsOf(const recording::McapReader& reader) {
   std::set<std::string> names;
   for (const auto& [id, channel] : reader.channels()) names.insert(channel.topic);
-  std::string text;
-  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
-  return text.empty() ? "none" : text;
+  return {names.begin(), names.end()};
 }
 
 }  // namespace
@@ -34,19 +33,21 @@ bool IsInside(const McapMessage& message, const std::optional<recording::TimeRan
   return time_s >= range->start_s && time_s < range->end_s;
 }
 
-Tables::Tables(const recording::RecordingPath& path, const std::set<std::string>& topics)
+Tables::Tables(const recording::RecordingPath& path, const std::set<std::string>& topics,
+               const std::set<std::string>& also)
     : path_(path), source_(path.file) {
   const std::string file = path_.file.string();
   try {
     reader_ = std::make_unique<recording::McapReader>(source_);
-    std::map<std::string, recording::MessageType> types;
+    std::map<std::string, recording::MessageType> known_types;
     std::map<std::string, const recording::McapSchema*> schemas;
     for (const auto& [id, channel] : reader_->channels()) {
-      if (!topics.empty() && !topics.contains(channel.topic)) continue;
+      const bool wanted = topics.contains(channel.topic);
+      if (!topics.empty() && !wanted && !also.contains(channel.topic)) continue;
       try {
-        types.emplace(channel.topic, recording::MessageTypeOf(*reader_, channel));
+        known_types.emplace(channel.topic, recording::MessageTypeOf(*reader_, channel));
       } catch (const recording::NotReadable& error) {
-        if (!topics.empty()) throw UsageError(file + ": " + error.what());
+        if (wanted) throw UsageError(file + ": " + error.what());
         left_out_.emplace(channel.topic, error.what());
         continue;
       }
@@ -58,12 +59,10 @@ Tables::Tables(const recording::RecordingPath& path, const std::set<std::string>
       }
     }
     for (const std::string& topic : topics) {
-      if (!types.contains(topic)) {
-        throw UsageError(file + ": no topic '" + topic +
-                         "', expected one of: " + TopicsOf(*reader_));
-      }
+      if (known_types.contains(topic)) continue;
+      throw UsageError(file + ": " + types::NoSuch("topic", topic, TopicsOf(*reader_)));
     }
-    for (const auto& [topic, type] : types) {
+    for (const auto& [topic, type] : known_types) {
       auto table = std::make_unique<TopicTable>();
       table->topic = topic;
       table->type = type;

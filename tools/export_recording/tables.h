@@ -32,10 +32,11 @@ bool IsInside(const recording::McapMessage& message,
 class Tables {
  public:
   // Reads the recording once for the sizes of the columns. topics: empty: all. A topic without a
-  // message in the range has no table, nor has one that cannot be read (left_out). Throws
-  // UsageError naming the file: one that cannot be read or is broken, a topic of `topics` that it
-  // lacks or that cannot be read, an empty result.
-  Tables(const recording::RecordingPath& path, const std::set<std::string>& topics);
+  // message in the range has no table, nor has one that cannot be read (left_out). also: further
+  // topics, where they are there. Throws UsageError naming the file: one that cannot be read or is
+  // broken, a topic of `topics` that it lacks or that cannot be read, an empty result.
+  Tables(const recording::RecordingPath& path, const std::set<std::string>& topics,
+         const std::set<std::string>& also = {});
 
   // By topic.
   const std::vector<std::unique_ptr<TopicTable>>& list() const { return list_; }

@@ -38,4 +38,9 @@ Json MessageJson(const IdlType& type, std::span<const std::byte> payload) {
   return json;
 }
 
+TopicField SplitField(const std::string& text) {
+  const std::size_t dot = text.find('.');
+  return {text.substr(0, dot), dot == std::string::npos ? "" : text.substr(dot + 1)};
+}
+
 }  // namespace sinew::inspect

@@ -16,8 +16,8 @@
 #include "components/record/recording/file/file_io.h"
 #include "components/record/recording/mcap_record.h"
 #include "components/topics/node/time_option.h"
+#include "tools/inspect/message_text.h"
 #include "tools/inspect/plot.h"
-#include "tools/inspect/run_tool.h"
 #include "tools/rerun/edited_parts.h"
 #include "tools/rerun/recorded_parts.h"
 #include "tools/rerun/rerun.h"
@@ -160,12 +160,12 @@ void PrintJson(const RerunResult& result) {
 }
 
 RerunInput::Field ParseField(const std::string& text) {
-  const std::size_t dot = text.find('.');
-  if (dot == std::string::npos || dot == 0 || dot + 1 == text.size()) {
+  const inspect::TopicField parts = inspect::SplitField(text);
+  if (parts.topic.empty() || parts.field.empty()) {
     throw UsageError("--field " + text +
                      ": expected TOPIC.FIELD, e.g. joint_command.position_rad[0]");
   }
-  return {text.substr(0, dot), text.substr(dot + 1)};
+  return {parts.topic, parts.field};
 }
 
 // The field of a picture when none was named: the first number that differs.
@@ -181,10 +181,11 @@ RerunInput::Field FirstField(const RerunResult& result) {
 }
 
 void WritePicture(const fs::path& path, const FieldCurve& curve) {
-  const std::string script = inspect::PngScript(
-      curve.topic + "." + curve.field,
-      {{"recorded", curve.time_s, curve.recorded}, {"run again", curve.time_s, curve.rerun}});
-  config::WriteFileAtomically(path, inspect::OutputOf("gnuplot", "gnuplot-nox", {}, script));
+  const std::string axis = curve.topic + "." + curve.field;
+  config::WriteFileAtomically(
+      path, inspect::DrawnPicture({{"recorded", curve.time_s, curve.recorded, axis},
+                                   {"run again", curve.time_s, curve.rerun, axis}},
+                                  "png"));
 }
 
 // Exit code.

@@ -2,11 +2,8 @@
 
 #include "tools/sinew/close_loop.h"
 #include "tools/sinew/core_commands.h"
-#include "tools/sinew/echo.h"
 #include "tools/sinew/experiment.h"
-#include "tools/sinew/list.h"
 #include "tools/sinew/performance.h"
-#include "tools/sinew/permit_replay.h"
 #include "tools/sinew/train.h"
 
 namespace sinew::tools {
@@ -33,6 +30,7 @@ void AddCoreCommands(CLI::App& app) {
   AddExperimentCommand(app);
   AddListCommand(app);
   AddEchoCommand(app);
+  AddPlotCommand(app);
   AddHzCommand(app);
   AddGraphCommand(app);
   AddDoctorCommand(app);

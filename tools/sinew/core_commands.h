@@ -18,6 +18,8 @@ void AddIsolateCommands(CLI::App& app);
 void AddOperatorCommands(CLI::App& app);
 // `sinew handover`: a role goes from the participant that has it to another one that stands by.
 void AddHandoverCommand(CLI::App& app);
+// `sinew permit-replay NAME`: the recording that NAME plays may move live hardware.
+void AddPermitReplayCommand(CLI::App& app);
 // `sinew conform ROLE PROGRAM`: the contract test of a program that takes a role.
 void AddConformCommand(CLI::App& app);
 // `sinew record`: records the topics of a domain, as sinew-logger does.
@@ -40,6 +42,12 @@ void AddNewCommand(CLI::App& app);
 void AddCheckDataCommand(CLI::App& app);
 // `sinew verify`: a corrected model in world and control, beside the one before.
 void AddVerifyCommand(CLI::App& app);
+// `sinew list`: participants, topics and problems of a domain; or what is in a recording.
+void AddListCommand(CLI::App& app);
+// `sinew echo`: messages of a topic, decoded.
+void AddEchoCommand(CLI::App& app);
+// `sinew plot`: fields of recordings over time, in the terminal or as PNG and SVG files.
+void AddPlotCommand(CLI::App& app);
 // `sinew hz`: rate, jitter, age and loss of topics, live or of a recording.
 void AddHzCommand(CLI::App& app);
 // `sinew graph`: a picture of who speaks to whom, live or from a recording.

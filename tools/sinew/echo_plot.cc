@@ -1,26 +1,24 @@
 #include "tools/sinew/echo_plot.h"
 
-#include <sys/ioctl.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <stdexcept>
-#include <utility>
 
-#include "components/base/config/config.h"
-#include "tools/inspect/run_tool.h"
+#include "tools/launch/output.h"
+#include "tools/sinew/printed.h"
 
 namespace sinew::tools {
 
-EchoPlot::EchoPlot(std::string topic, const recording::IdlType& type,
+EchoPlot::EchoPlot(const std::string& topic, const recording::IdlType& type,
                    const std::vector<std::string>& fields, double window_s)
-    : topic_(std::move(topic)), window_s_(window_s) {
+    : window_s_(window_s) {
   for (const std::string& path : fields) {
     fields_.emplace_back(type, path);
     if (!fields_.back().type().is_number()) {
       throw std::invalid_argument("field '" + path + "' is a text, expected a number");
     }
-    curves_.push_back({path, {}, {}});
+    curves_.push_back(inspect::CurveOf(topic + "." + path, path));
   }
   if (recording::HasField(type, "header.stamp_ns")) stamp_.emplace(type, "header.stamp_ns");
 }
@@ -47,17 +45,11 @@ void EchoPlot::Add(std::span<const std::byte> payload, std::int64_t arrival_ns) 
   }
 }
 
-std::string EchoPlot::Draw() const {
-  winsize size{};
-  const bool known = ::ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0;
-  return inspect::OutputOf("gnuplot", "gnuplot-nox", {},
-                           inspect::TerminalScript(topic_, curves_, known ? size.ws_col : 80,
-                                                   known ? size.ws_row - 2 : 24));
-}
-
-void EchoPlot::WritePng(const std::filesystem::path& path) const {
-  config::WriteFileAtomically(
-      path, inspect::OutputOf("gnuplot", "gnuplot-nox", {}, inspect::PngScript(topic_, curves_)));
+std::string DrawnHere(const std::vector<inspect::Curve>& curves, int columns, int rows) {
+  const TerminalSize size = SizeOfTerminal(STDOUT_FILENO);
+  return inspect::DrawnInTerminal(
+      curves, {columns > 0 ? columns : size.columns, rows > 0 ? rows : size.rows - 2,
+               launch::WantsColour(STDOUT_FILENO)});
 }
 
 }  // namespace sinew::tools

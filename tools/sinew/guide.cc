@@ -5,11 +5,10 @@
 #include <array>
 #include <iostream>
 #include <memory>
-#include <numeric>
-#include <utility>
 #include <vector>
 
 #include "components/base/config/config.h"
+#include "components/base/types/did_you_mean.h"
 
 namespace sinew::tools {
 
@@ -27,7 +26,7 @@ const std::array<Group, 5>& Groups() {
        {"launch", "compose", "arm", "disarm", "estop", "reset", "handover", "permit-replay",
         "conform", "isolate", "enter", "security"}},
       {"Commands to look at it",
-       {"list", "echo", "hz", "graph", "doctor", "view", "score", "performance", "render"}},
+       {"list", "echo", "plot", "hz", "graph", "doctor", "view", "score", "performance", "render"}},
       {"Commands to record and replay",
        {"record", "replay", "replay-control", "rerun", "snapshot", "import", "export", "recover",
         "attachments"}},
@@ -41,23 +40,6 @@ const std::array<Group, 5>& Groups() {
 }
 
 constexpr char kOther[] = "Other commands";
-
-// Insertions, deletions and changes of a letter, and neighbours exchanged.
-std::size_t Distance(const std::string& a, const std::string& b) {
-  std::vector<std::size_t> before, above(b.size() + 1), row(b.size() + 1);
-  std::iota(above.begin(), above.end(), std::size_t{0});
-  for (std::size_t i = 1; i <= a.size(); ++i) {
-    row[0] = i;
-    for (std::size_t j = 1; j <= b.size(); ++j) {
-      row[j] = std::min({above[j] + 1, row[j - 1] + 1, above[j - 1] + (a[i - 1] != b[j - 1])});
-      if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1]) {
-        row[j] = std::min(row[j], before[j - 2] + 1);
-      }
-    }
-    before = std::exchange(above, row);
-  }
-  return above[b.size()];
-}
 
 const CLI::App& InUse(const CLI::App& app) {
   const std::vector<CLI::App*> chosen = app.get_subcommands();
@@ -82,25 +64,14 @@ std::vector<std::string> WordsOf(const CLI::App& command) {
   return words;
 }
 
-std::string DidYouMean(const std::string& word, const CLI::App& command) {
-  std::string nearest;
-  std::size_t least = 1 + word.size() / 3;  // a letter, and one more for each three
-  for (const std::string& known : WordsOf(command)) {
-    const std::size_t distance = Distance(word, known);
-    if (distance >= least) continue;
-    least = distance;
-    nearest = known;
-  }
-  return nearest.empty() ? "" : "; did you mean '" + nearest + "'?";
-}
-
 void PrintHelp(const CLI::App& app, const std::vector<std::string>& path) {
   const CLI::App* command = &app;
   std::string name = app.get_name();
   for (const std::string& word : path) {
     const CLI::App* child = Find(*command, word);
     if (child == nullptr) {
-      throw UsageError(name + ": no command '" + word + "'" + DidYouMean(word, *command));
+      throw UsageError(name + ": no command '" + word + "'" +
+                       types::DidYouMean(word, WordsOf(*command)));
     }
     command = child;
     name += " " + word;
@@ -149,7 +120,7 @@ std::string Suggestion(const CLI::App& app) {
   const std::vector<std::string> unexpected = app.remaining(true);
   if (unexpected.empty()) return "";
   const std::string word = unexpected.front().substr(0, unexpected.front().find('='));
-  return DidYouMean(word, InUse(app));
+  return types::DidYouMean(word, WordsOf(InUse(app)));
 }
 
 }  // namespace sinew::tools

@@ -1,11 +1,11 @@
-#include "tools/sinew/list.h"
-
 #include <sinew_idl/status.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <cstdint>
 #include <cstdio>
 #include <iostream>
 #include <map>
@@ -22,6 +22,7 @@
 #include "components/base/types/joined.h"
 #include "components/base/types/json_text.h"
 #include "components/base/types/printable.h"
+#include "components/model/report/section.h"
 #include "components/record/recording/file/file_io.h"
 #include "components/record/recording/mcap_reader.h"
 #include "components/record/recording/run_import.h"
@@ -33,6 +34,7 @@
 #include "components/topics/node/time_option.h"
 #include "tools/inspect/peer_checks.h"
 #include "tools/inspect/topic_table.h"
+#include "tools/sinew/core_commands.h"
 #include "tools/sinew/node_options.h"
 #include "tools/sinew/printed.h"
 
@@ -51,7 +53,7 @@ struct ListOptions {
   node::Options node;
   std::filesystem::path recording;
   double wait_s = 2.0;
-  bool json = false;
+  bool all = false, json = false;
 };
 
 std::string Plain(const std::string& dds_topic) {
@@ -404,14 +406,80 @@ Json DescribeRecording(const std::filesystem::path& path) {
   }
 }
 
+void PrintCutOff(const Json& report) {
+  if (!report.contains("cut_off")) return;
+  std::cout << "cut off: " << report["cut_off"]["good_bytes"] << " bytes are whole, "
+            << report["cut_off"]["lost_bytes"] << " are lost ("
+            << report["cut_off"]["reason"].get<std::string>() << ")\n";
+}
+
+// Metadata that are shown without --all.
+bool IsInSummary(const std::string& name, const std::string& key, const std::string& value) {
+  static const std::set<std::string> kRun = {"deployment", "domain_id", "host",   "mode",
+                                             "seed",       "started",   "version"};
+  if (name == "sinew.recording") return kRun.contains(key);
+  if (name == "sinew.losses") return value != "0";
+  return name != "sinew.files";
+}
+
+// About twenty lines, as wide as the terminal: a row for each topic of the robot.
+void PrintSummary(const Json& listed) {
+  static const std::set<std::string> kHidden = {"component_snapshot", "component_status",
+                                                "recording_progress"};
+  const std::size_t width = ::isatty(STDOUT_FILENO) == 1
+                                ? static_cast<std::size_t>(SizeOfTerminal(STDOUT_FILENO).columns)
+                                : std::string::npos;
+  const auto print = [width](const std::string& line) {
+    Print("%s\n", line.substr(0, width).c_str());
+  };
+  Print("%s: %s messages, %.1f MB, %.1f s\n", listed["file"].get<std::string>().c_str(),
+        types::JsonText(listed["messages"]).c_str(), 1e-6 * listed["bytes"].get<double>(),
+        listed["duration_s"].get<double>());
+  PrintCutOff(listed);
+  std::set<std::string> lines;  // equal ones once
+  for (const Json& metadata : listed["metadata"]) {
+    const std::string name = metadata["name"].get<std::string>();
+    std::string line;
+    for (const auto& [key, value] : metadata.items()) {
+      const std::string text = value.get<std::string>();
+      if (key != "name" && IsInSummary(name, key, text)) line += " " + key + "=" + text;
+    }
+    if (!line.empty() && lines.insert(name + line).second) print(name + ":" + line);
+  }
+  std::vector<std::string> attached, hidden;
+  for (const Json& one : listed["attachments"]) attached.push_back(one["name"]);
+  if (!attached.empty()) print("attachments: " + types::Joined(attached));
+  struct Row {
+    std::uint64_t messages = 0;
+    std::vector<std::string> writers;
+    std::string type;
+  };
+  std::map<std::string, Row> rows;
+  for (const Json& channel : listed["topics"]) {
+    Row& row = rows[channel["name"]];
+    row.messages += channel["messages"].get<std::uint64_t>();
+    row.writers.push_back(channel["writer"]);
+    const std::string type = channel["type"].get<std::string>();
+    row.type = type.substr(type.rfind(':') + 1);
+  }
+  Print("\n%-20s %10s  %-18s %s\n", "topic", "messages", "type", "writers");
+  for (const auto& [name, row] : rows) {
+    if (kHidden.contains(name)) {
+      hidden.push_back(name);
+      continue;
+    }
+    print(report::Text("%-20s %10llu  %-18s ", name.c_str(),
+                       static_cast<unsigned long long>(row.messages), row.type.c_str()) +
+          types::Joined(row.writers));
+  }
+  if (!hidden.empty()) print("not shown without --all: " + types::Joined(hidden));
+}
+
+// Everything.
 void PrintRecording(const Json& report) {
   std::cout << report["file"].get<std::string>() << ": " << report["messages"] << " messages, "
             << report["bytes"] << " bytes, " << report["duration_s"] << " s\n";
-  if (report.contains("cut_off")) {
-    std::cout << "cut off: " << report["cut_off"]["good_bytes"] << " bytes are whole, "
-              << report["cut_off"]["lost_bytes"] << " are lost ("
-              << report["cut_off"]["reason"].get<std::string>() << ")\n";
-  }
+  PrintCutOff(report);
   for (const Json& metadata : report["metadata"]) {
     std::cout << metadata["name"].get<std::string>() << ":";
     for (const auto& [key, value] : metadata.items()) {
@@ -443,6 +511,8 @@ void AddListCommand(CLI::App& app) {
   command->add_option("--wait", options->wait_s, "Seconds to listen")
       ->check(node::IsTime(node::Zero::kRefused))
       ->capture_default_str();
+  command->add_flag("--all", options->all,
+                    "Of a recording all metadata, writers, snapshots and status");
   command->add_flag("--json", options->json, "As JSON");
   command->footer(
       "A row for each writer with type, QoS and the readers that hear it; below it those that do "
@@ -452,14 +522,16 @@ void AddListCommand(CLI::App& app) {
       "that "
       "does not match,\n"
       "faults, two state providers; with any, the exit code is 1.\n\nExamples:\n"
-      "  sinew list --domain 0\n  sinew list run.mcap --json");
+      "  sinew list --domain 0\n  sinew list run.mcap\n  sinew list run.mcap --all");
   command->callback([options] {
     if (!options->recording.empty()) {
       const Json report = DescribeRecording(options->recording);
       if (options->json) {
         std::cout << types::JsonText(report) << '\n';
-      } else {
+      } else if (options->all) {
         PrintRecording(Printable(report));
+      } else {
+        PrintSummary(Printable(report));
       }
       return;
     }

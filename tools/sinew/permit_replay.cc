@@ -1,5 +1,3 @@
-#include "tools/sinew/permit_replay.h"
-
 #include <sinew_idl/joint.h>
 #include <sinew_idl/operator.h>
 #include <sinew_idl/status.h>
@@ -19,6 +17,7 @@
 #include "components/topics/node/endpoint.h"
 #include "components/topics/node/node.h"
 #include "components/topics/node/time_option.h"
+#include "tools/sinew/core_commands.h"
 #include "tools/sinew/node_options.h"
 
 namespace sinew::tools {

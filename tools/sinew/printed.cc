@@ -1,5 +1,7 @@
 #include "tools/sinew/printed.h"
 
+#include <sys/ioctl.h>
+
 #include <algorithm>
 #include <cstdarg>
 #include <cstdio>
@@ -63,6 +65,12 @@ void Print(const char* format, ...) {
 std::ostream& Unfiltered(std::ostream& stream) {
   auto* filter = dynamic_cast<Filter*>(stream.rdbuf());
   return filter != nullptr ? filter->out() : stream;
+}
+
+TerminalSize SizeOfTerminal(int file_descriptor) {
+  winsize size{};
+  const bool known = ::ioctl(file_descriptor, TIOCGWINSZ, &size) == 0 && size.ws_col > 1;
+  return known ? TerminalSize{size.ws_col, size.ws_row} : TerminalSize{};
 }
 
 }  // namespace sinew::tools

@@ -28,4 +28,10 @@ class PrintableOnly {
 // bytes of a file.
 std::ostream& Unfiltered(std::ostream& stream);
 
+// Characters of the terminal at a file descriptor.
+struct TerminalSize {
+  int columns = 80, rows = 24;  // where there is none
+};
+TerminalSize SizeOfTerminal(int file_descriptor);
+
 }  // namespace sinew::tools

@@ -1,4 +1,3 @@
-#include <sys/ioctl.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
@@ -35,10 +34,8 @@ class ReplayScreen {
 
   void Show(const logger::PlayStatus& status) {
     if (!visible_) return;
-    winsize size{};
-    const bool known = ::ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 1;
-    Unfiltered(std::cerr) << "\r\x1b[K" << ReplayLine(status, known ? size.ws_col - 1u : 79u)
-                          << std::flush;
+    const auto columns = static_cast<std::size_t>(SizeOfTerminal(STDERR_FILENO).columns);
+    Unfiltered(std::cerr) << "\r\x1b[K" << ReplayLine(status, columns - 1) << std::flush;
     drawn_ = true;
   }
   void Finish() {

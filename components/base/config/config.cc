@@ -18,6 +18,7 @@
 #include "components/base/config/yaml_text.h"
 #include "components/base/types/joined.h"
 #include "components/base/types/seconds.h"
+#include "components/base/types/unit_name.h"
 
 namespace sinew::config {
 
@@ -68,19 +69,7 @@ Range TimesOf(std::string_view key) {
 
 // "viscous_Nm_s_rad" and "viscous_Nm" share the stem "viscous": names that differ only by their
 // unit.
-std::string Stem(const std::string& key) {
-  static const std::set<std::string> kUnits = {
-      "N",   "Nm",      "rad",  "deg", "m",   "mm",  "s",    "ms", "us",   "ns", "Hz",
-      "V",   "A",       "bar",  "Pa",  "kg",  "K",   "degC", "m2", "m3",   "s2", "rad2",
-      "per", "percent", "turn", "rev", "W",   "ohm", "H",    "l",  "J",    "MB", "g",
-      "cm",  "kPa",     "min",  "h",   "mNm", "kN",  "mA",   "mV", "litre"};
-  std::string stem = key;
-  while (true) {
-    const std::size_t cut = stem.rfind('_');
-    if (cut == std::string::npos || !kUnits.contains(stem.substr(cut + 1))) return stem;
-    stem.resize(cut);
-  }
-}
+std::string Stem(const std::string& key) { return types::SplitUnit(key).stem; }
 
 }  // namespace
 

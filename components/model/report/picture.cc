@@ -29,9 +29,10 @@ std::string DataBlock(const std::string& name, const Series& series) {
   return out + "EOD\n";
 }
 
-// In quotes; those in the text would end gnuplot's string.
+// In quotes; those in the text, and line ends, would end gnuplot's string.
 std::string Quoted(std::string text) {
-  std::replace(text.begin(), text.end(), '\'', ' ');
+  std::replace_if(
+      text.begin(), text.end(), [](char c) { return c == '\'' || c == '\n'; }, ' ');
   return "'" + text + "'";
 }
 
@@ -87,7 +88,7 @@ Picture Chart(const std::string& title, const std::string& caption, const std::s
               "unset multiplot\n"};
 }
 
-std::string PictureNumber(double value) { return types::Text("%.5g", value); }
+std::string PictureNumber(double value) { return types::Text("%.7g", value); }
 
 std::string PictureHead(int height) {
   return "set terminal svg size 920," + std::to_string(height) +

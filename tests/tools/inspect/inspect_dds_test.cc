@@ -96,6 +96,10 @@ TEST_F(RunningRig, IsSeenByEveryCommand) {
   ASSERT_EQ(echo.exit_code, 0) << echo.error;
   EXPECT_EQ(nlohmann::json::parse(echo.output)["position_rad"].size(), 1u) << "the rig's joint";
 
+  const Finished once = Sinew({"echo", "joint_state.position_rad", "--once", "--timeout", "60"});
+  ASSERT_EQ(once.exit_code, 0) << once.error;
+  EXPECT_EQ(nlohmann::json::parse(once.output).size(), 1u) << once.output;
+
   const std::string png = (folder_.path() / "q.png").string();
   const Finished plot =
       Sinew({"echo", "joint_state", "-n", "100", "--plot", "position_rad[0]", "--png", png});
@@ -168,6 +172,11 @@ TEST(Inspect, WrongRequestsAreOneLineAndExitCode2) {
 TEST(Inspect, AnEmptyDomainHasNoMessageAndNoGraph) {
   EXPECT_EQ(testing::Run({kSinew, "hz", "--duration", "0.5", "--domain", "209"}).exit_code, 1);
   EXPECT_EQ(testing::Run({kSinew, "graph", "--wait", "0.5", "--domain", "209"}).exit_code, 1);
+  const Finished once = testing::Run(
+      {kSinew, "echo", "joint_state", "--once", "--timeout", "0.5", "--domain", "209"});
+  EXPECT_EQ(once.exit_code, 1);
+  EXPECT_EQ(once.output, "");
+  EXPECT_THAT(once.error, HasSubstr("nothing on 'joint_state' in domain 209 for 0.5 s"));
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <sstream>
 
 #include "components/base/config/config.h"
 #include "tools/inspect/run_tool.h"
@@ -14,11 +15,13 @@
 namespace sinew::inspect {
 namespace {
 
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::Not;
 using ::testing::StartsWith;
 
-Curve Ramp(const std::string& name, double from, double to) {
-  Curve curve{name, {}, {}};
+Curve Ramp(const std::string& field, double from, double to) {
+  Curve curve = CurveOf("topic." + field, field);
   for (int i = 0; i <= 100; ++i) {
     curve.time_s.push_back(0.01 * i);
     curve.value.push_back(from + (to - from) * 0.01 * i);
@@ -26,47 +29,144 @@ Curve Ramp(const std::string& name, double from, double to) {
   return curve;
 }
 
-std::string Drawn(const std::string& script) {
-  return OutputOf("gnuplot", "gnuplot-nox", {}, script);
+std::vector<std::string> PlotLines(const std::string& text) {
+  std::vector<std::string> lines;
+  std::istringstream stream(text);
+  for (std::string line; std::getline(stream, line);) lines.push_back(line);
+  return lines;
 }
 
-TEST(Plot, InTheTerminalARampRisesFromLeftToRight) {
-  const std::string text = Drawn(TerminalScript("joint_state", {Ramp("q[0]", 0.0, 1.0)}, 60, 20));
-  EXPECT_THAT(text, HasSubstr("joint_state"));
-  EXPECT_THAT(text, HasSubstr("q[0]"));
-  std::vector<std::string> lines;
-  for (std::size_t at = 0; at < text.size();) {
-    const std::size_t end = std::min(text.find('\n', at), text.size());
-    lines.push_back(text.substr(at, end - at));
-    at = end + 1;
-  }
-  // The frame's inside, without the key's line: higher lines hold later points.
-  std::vector<std::size_t> columns;
-  for (const std::string& line : lines) {
-    const std::size_t point = line.find('*');
-    if (point != std::string::npos && line.find("q[0]") == std::string::npos) {
-      columns.push_back(point);
+// Characters, of which those in braille have three bytes.
+std::size_t Characters(const std::string& line) {
+  return static_cast<std::size_t>(
+      std::count_if(line.begin(), line.end(), [](char c) { return (c & 0xc0) != 0x80; }));
+}
+
+// The dots in the columns of a drawing: from the top, for each column the row of the highest dot;
+// -1: none. Four rows a line, two columns a character.
+std::vector<int> HighestDots(const std::string& text) {
+  std::vector<int> highest;
+  const std::vector<std::string> lines = PlotLines(text);
+  for (std::size_t l = 1; l < lines.size(); ++l) {  // the first is the key
+    std::size_t column = 0;
+    for (std::size_t at = 0; at < lines[l].size(); ++column) {
+      if (static_cast<unsigned char>(lines[l][at]) != 0xe2) {
+        ++at;
+        continue;
+      }
+      const unsigned bits = (static_cast<unsigned>(lines[l][at + 1]) & 0x3) << 6 |
+                            (static_cast<unsigned>(lines[l][at + 2]) & 0x3f);
+      at += 3;
+      static constexpr unsigned kBits[2][4] = {{0x01, 0x02, 0x04, 0x40}, {0x08, 0x10, 0x20, 0x80}};
+      for (std::size_t side = 0; side < 2; ++side) {
+        highest.resize(std::max(highest.size(), 2 * column + side + 1), -1);
+        int& best = highest[2 * column + side];
+        for (int row = 0; row < 4 && best < 0; ++row) {
+          if ((bits & kBits[side][row]) != 0) best = 4 * static_cast<int>(l) + row;
+        }
+      }
     }
   }
-  ASSERT_GE(columns.size(), 5u) << text;
-  EXPECT_TRUE(std::is_sorted(columns.rbegin(), columns.rend())) << text;
-  for (const std::string& line : lines) EXPECT_LE(line.size(), 60u);
+  return highest;
 }
 
-TEST(Plot, AsAFileItIsAPng) {
-  const std::string png =
-      Drawn(PngScript("it's joint_state", {Ramp("a_b[0]", 0.0, 1.0), Ramp("c", 1.0, -1.0)}));
+TEST(CurveOf, TheAxisIsNamedByTheFieldWithItsUnit) {
+  const Curve curve = CurveOf("joint_state.velocity_rad_s[3]", "velocity_rad_s[3]");
+  EXPECT_EQ(curve.quantity, "velocity");
+  EXPECT_EQ(curve.unit, "rad/s");
+  EXPECT_EQ(CurveOf("a", "header.tick").quantity, "tick");
+  EXPECT_EQ(CurveOf("a\x1b[2J", "x").name.find('\x1b'), std::string::npos);
+}
+
+// A period of a sine over 200 columns of dots: the dots are where the sine is, to one dot.
+TEST(Plot, InTheTerminalASineIsWhereItsValuesAre) {
+  Curve sine = CurveOf("joint_state.position_rad[0]", "position_rad[0]");
+  for (int i = 0; i <= 2000; ++i) {
+    sine.time_s.push_back(1e-3 * i);
+    sine.value.push_back(std::sin(M_PI * 1e-3 * i));
+  }
+  const std::string text = DrawnInTerminal({sine}, {112, 30, false});
+  const std::vector<std::string> lines = PlotLines(text);
+  ASSERT_EQ(lines.size(), 30u) << text;
+  EXPECT_EQ(lines[0], "position, rad   \u28ff joint_state.position_rad[0]");
+  EXPECT_THAT(lines.back(), HasSubstr("time, s"));
+  EXPECT_THAT(text, Not(HasSubstr("\x1b")));
+  for (const std::string& line : lines) EXPECT_LE(Characters(line), 112u) << line;
+  const std::vector<int> dots = HighestDots(text);
+  // The frame: columns 10 to 109 of characters, lines 1 to 27; the axis from -1.1 to 1.1.
+  for (int k = 2; k < 198; ++k) {
+    const double time_s = (k - 0.5) / 198.0 * 2.0;
+    const double row = 4.0 * (1.5 + (1.1 - std::sin(M_PI * time_s)) / 2.2 * 26.0);
+    ASSERT_LT(static_cast<std::size_t>(20 + k), dots.size()) << text;
+    // Within a column the sine rises by up to 1.6 rows.
+    EXPECT_NEAR(dots[static_cast<std::size_t>(20 + k)], row, 3.0) << k << "\n" << text;
+  }
+}
+
+TEST(Plot, InTheTerminalCurvesOfOneUnitShareAPanelWhereColoursDistinguishThem) {
+  const std::vector<Curve> curves = {Ramp("position_rad[0]", 0.0, 1.0),
+                                     Ramp("target_position_rad[0]", 1.0, 0.0),
+                                     Ramp("torque_Nm[0]", 0.0, 9.0)};
+  const auto panels = [&](bool colours) {
+    std::vector<std::string> names;
+    for (const std::string& line : PlotLines(DrawnInTerminal(curves, {80, 60, colours}))) {
+      if (line.find("\u28ff") != std::string::npos) names.push_back(line);
+    }
+    return names;
+  };
+  EXPECT_THAT(panels(false),
+              ElementsAre("position, rad   \u28ff topic.position_rad[0]",
+                          "target_position, rad   \u28ff topic.target_position_rad[0]",
+                          "torque, Nm   \u28ff topic.torque_Nm[0]"));
+  const std::vector<std::string> coloured = panels(true);
+  ASSERT_EQ(coloured.size(), 2u);
+  EXPECT_EQ(coloured[0],
+            "rad   \x1b[36m\u28ff topic.position_rad[0]\x1b[0m   \x1b[33m\u28ff "
+            "topic.target_position_rad[0]\x1b[0m");
+  EXPECT_EQ(coloured[1], "torque, Nm   \x1b[32m\u28ff topic.torque_Nm[0]\x1b[0m");
+}
+
+TEST(Plot, AsAFileItIsAPngOrAnSvgWithUnits) {
+  const std::vector<Curve> curves = {Ramp("velocity_rad_s[0]", 0.0, 1.0),
+                                     Ramp("torque_Nm[0]", 1.0, -1.0)};
+  const std::string png = DrawnPicture(curves, "png");
   EXPECT_THAT(png, StartsWith("\x89PNG\r\n"));
   EXPECT_GT(png.size(), 4000u);
+  const std::string svg = DrawnPicture(curves, "svg", 600, 400);
+  for (const char* part : {"width=\"600\" height=\"400\"", "velocity, rad/s", "torque, Nm",
+                           "time, s", "topic.velocity_rad_s[0]"}) {
+    EXPECT_THAT(svg, HasSubstr(part));
+  }
+}
+
+// A spike of one sample of 100 000 is in the picture: its axis reaches there.
+TEST(Plot, ASingleSampleIsNotLost) {
+  Curve spike = CurveOf("a.torque_Nm", "torque_Nm");
+  for (int i = 0; i < 100'000; ++i) {
+    spike.time_s.push_back(1e-3 * i);
+    spike.value.push_back(i == 77'777 ? 50.0 : 0.0);
+  }
+  EXPECT_THAT(DrawnPicture({spike}, "svg"), HasSubstr("> 50<"));
 }
 
 TEST(Plot, GapsAndCurvesWithoutPointsAreDrawn) {
   Curve gaps = Ramp("gaps", 0.0, 1.0);
-  gaps.value[50] = std::nan("");
-  gaps.value[51] = std::numeric_limits<double>::infinity();
-  Curve none{"none", {0.0}, {std::nan("")}};
-  EXPECT_THAT(Drawn(PngScript("t", {gaps, none})), StartsWith("\x89PNG"));
-  EXPECT_THAT(Drawn(TerminalScript("t", {gaps, none}, 0, 0)), HasSubstr("gaps"));
+  for (std::size_t i = 40; i < 60; ++i) gaps.value[i] = std::nan("");
+  gaps.value[50] = std::numeric_limits<double>::infinity();
+  gaps.value[51] = 1e308;
+  Curve none = CurveOf("none", "none");
+  none.time_s = {0.0};
+  none.value = {std::nan("")};
+  EXPECT_THAT(DrawnPicture({gaps, none}, "png"), StartsWith("\x89PNG"));
+  EXPECT_THAT(DrawnPicture({none}, "svg"), HasSubstr("<svg"));
+  EXPECT_THAT(DrawnInTerminal({gaps, none}, {0, 0, false}), HasSubstr("gaps"));
+  const std::vector<int> dots = HighestDots(DrawnInTerminal({gaps}, {112, 30, false}));
+  const auto drawn = [&](int from, int to) {
+    return std::count_if(dots.begin() + 20 + from, dots.begin() + 20 + to,
+                         [](int row) { return row >= 0; });
+  };
+  EXPECT_EQ(drawn(84, 116), 0) << "a gap of a fifth";
+  EXPECT_GT(drawn(4, 70), 60);
 }
 
 TEST(RunTool, AbsentAndFailingProgramsAreErrors) {

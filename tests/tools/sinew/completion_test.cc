@@ -63,6 +63,8 @@ TEST(BashCompletion, OffersTheOptionsOfTheCommandThatIsTyped) {
   EXPECT_THAT(offered, IsSupersetOf({"--set", "--record", "--dry-run", "--help"}));
   EXPECT_THAT(offered, AllOf(Each(StartsWith("--")), Not(Contains("--reason"))));
   EXPECT_THAT(Offered({"arm", "--"}), Contains("--reason"));
+  EXPECT_THAT(Offered({"plot", "--"}), IsSupersetOf({"--from", "--to", "--png", "--svg"}));
+  EXPECT_THAT(Offered({"echo", "--"}), IsSupersetOf({"--once", "--rate"}));
 }
 
 TEST(BashCompletion, OffersSubcommandsOfSubcommands) {
@@ -80,6 +82,7 @@ TEST(BashCompletion, OffersFilesWhereAFileBelongs) {
   EXPECT_THAT(Offered({"launch", "dep"}, folder.path()), ElementsAre("deploy_rig.yaml"));
   EXPECT_THAT(Offered({"launch", "--record", "dep"}, folder.path()),
               ElementsAre("deploy_rig.yaml"));
+  EXPECT_THAT(Offered({"plot", "dep"}, folder.path()), ElementsAre("deploy_rig.yaml"));
   EXPECT_THAT(Offered({"launch", "--seed", "dep"}, folder.path()), ElementsAre());
   EXPECT_THAT(Offered({"close-loop", "--train", "dep"}, folder.path()),
               ElementsAre("deploy_rig.yaml"));
