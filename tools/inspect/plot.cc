@@ -20,6 +20,7 @@ namespace {
 // Characters around the border of a frame: numbers of the ticks, the name of the time.
 constexpr int kLeft = 10, kRight = 2, kBelow = 2;
 constexpr int kPanel_px = 324, kAround_px = 96;  // 420 for one panel, as the reports' pictures
+constexpr double kLeft_px = 92.0;                // the axis' name and a number of seven digits
 constexpr const char* kAnsiColours[] = {"\x1b[36m", "\x1b[33m", "\x1b[32m",
                                         "\x1b[35m", "\x1b[34m", "\x1b[31m"};
 constexpr const char* kAnsiEnd = "\x1b[0m";
@@ -69,6 +70,16 @@ std::vector<PlotPanel> PanelsOf(const std::vector<Curve>& curves, bool one_each)
         !same ? first.unit : first.quantity + (first.unit.empty() ? "" : ", " + first.unit);
   }
   return panels;
+}
+
+Interval RangeOf(const PlotPanel& panel) {
+  Interval range;
+  for (const Curve* curve : panel.curves) {
+    for (const double value : curve->value) {
+      if (IsDrawn(value)) range.Take(value);
+    }
+  }
+  return range.Wider(0.05);
 }
 
 // Lines of a frame without curves: border, ticks, the name of the time.
@@ -232,13 +243,7 @@ std::string DrawnInTerminal(const std::vector<Curve>& curves, const TerminalStyl
     const auto key = KeyLines(panel, number, static_cast<std::size_t>(columns), style.colours);
     for (const std::string& line : key) out += line + "\n";
     const int rows = std::max(height - static_cast<int>(key.size()), 8);
-    Interval value;
-    for (const Curve* curve : panel.curves) {
-      for (const double one : curve->value) {
-        if (IsDrawn(one)) value.Take(one);
-      }
-    }
-    value = value.Wider(0.05);
+    const Interval value = RangeOf(panel);
     const auto lines = FrameLines(time, value, columns, rows);
     Canvas canvas(columns - kRight - kLeft, rows - kBelow);
     for (const Curve* curve : panel.curves) canvas.Draw(*curve, number++, time, value);
@@ -255,19 +260,28 @@ std::string DrawnInTerminal(const std::vector<Curve>& curves, const TerminalStyl
 
 std::string DrawnPicture(const std::vector<Curve>& curves, const std::string& format, int width_px,
                          int height_px) {
+  const std::vector<PlotPanel> drawn = PanelsOf(curves, false);
+  // Outside, the keys of all panels share a line.
+  const bool keys_inside = drawn.size() > 1 || curves.size() > 3;
   std::vector<report::Panel> panels;
-  for (const PlotPanel& panel : PanelsOf(curves, false)) {
-    panels.push_back({panel.label, {}});
+  for (const PlotPanel& panel : drawn) {
+    const Interval range = RangeOf(panel);
+    const double above = keys_inside ? 0.15 * (range.high - range.low) : 0.0;
+    panels.push_back(
+        {panel.label,
+         {},
+         report::PictureNumber(range.low) + ":" + report::PictureNumber(range.high + above)});
     for (const Curve* curve : panel.curves) panels.back().series.push_back(Thinned(*curve));
   }
   if (width_px == 0) width_px = 920;
   if (height_px == 0) height_px = kAround_px + kPanel_px * static_cast<int>(panels.size());
   const int panel_px = std::max(1, (height_px - kAround_px) / static_cast<int>(panels.size()));
   std::string script = report::Chart("", "", "time, s", panel_px, panels).script;
-  if (panels.size() > 1 || curves.size() > 3) {  // outside, the keys of all panels share a line
-    script.insert(script.find("set multiplot"),
-                  "set key inside top right vertical opaque\nset offsets 0,0,graph 0.15,0\n");
-  }
+  const std::size_t multiplot = script.find("set multiplot");
+  script.insert(multiplot,
+                std::string(keys_inside ? "set key inside top right vertical opaque\n" : "") +
+                    "set lmargin at screen " +
+                    report::PictureNumber(std::min(kLeft_px / width_px, 0.5)) + "\n");
   // The first line is the terminal of the reports.
   return OutputOf("gnuplot", "gnuplot-nox", {},
                   "set terminal " + (format == "png" ? std::string("pngcairo") : format) +
