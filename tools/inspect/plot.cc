@@ -20,7 +20,7 @@ namespace {
 // Characters around the border of a frame: numbers of the ticks, the name of the time.
 constexpr int kLeft = 10, kRight = 2, kBelow = 2;
 constexpr int kPanel_px = 324, kAround_px = 96;  // 420 for one panel, as the reports' pictures
-constexpr double kLeft_px = 92.0;                // the axis' name and a number of seven digits
+constexpr double kLeft_px = 104.0;               // the axis' name and a number of seven digits
 constexpr const char* kAnsiColours[] = {"\x1b[36m", "\x1b[33m", "\x1b[32m",
                                         "\x1b[35m", "\x1b[34m", "\x1b[31m"};
 constexpr const char* kAnsiEnd = "\x1b[0m";
