@@ -359,12 +359,14 @@ class Replacement {
     ByHandover(name_, kStandIn);
     Suddenly("killed", SIGKILL);
     rig_.Start(name_, role.owner);
-    ASSERT_TRUE(rig_.WaitForStanding(name_, true)) << "who is started again joins below";
+    ASSERT_TRUE(rig_.WaitForStanding(name_, true)) << "who is started again joins below:\n"
+                                                   << rig_.Log(name_);
     ByHandover(name_, kStandIn);
     Suddenly("stopped", SIGSTOP);
     resumed_ = rig_.tick();
     rig_.Signal(name_, SIGCONT);
-    ASSERT_TRUE(rig_.WaitForStanding(name_, true)) << "who comes back stays below";
+    ASSERT_TRUE(rig_.WaitForStanding(name_, true)) << "who comes back stays below:\n"
+                                                   << rig_.Log(name_) << rig_.Log(kStandIn);
     rig_.WaitFor_s(kAfter_s);
     ASSERT_TRUE(rig_.WaitForStanding(kStandIn, false));
     ByHandover(name_, kStandIn);
