@@ -222,7 +222,7 @@ std::string Standing(const Json& row) {
 
 // The message, and that a recording may move the robot.
 std::string ShownMessage(const Json& row) {
-  const std::string message = row.value("message", "");
+  std::string message = row.value("message", "");
   const std::string permitted = row.value("permitted_replay", "");
   if (permitted.empty()) return message;
   return (message.empty() ? "" : message + "; ") + "permits the replay of '" + permitted + "'";

@@ -77,7 +77,7 @@ class Permit {
       if (sent >= kPermitRepeats && !permitting_.empty()) return "";
       node_.WaitForData(milliseconds(20));
     }
-    const std::string why = Why();
+    std::string why = Why();
     if (!why.empty()) return why;
     if (sent == 0) return "the command reached nobody";
     return "no component says that it permits it; the log of control has the reason";
