@@ -172,11 +172,23 @@ class Check(_Result):
         return "\n".join(lines)
 
 
+class _Found(_Result):
+    """What `sinew close-loop` found: report.html, and model.yaml unless there was no fit."""
+
+    def __init__(self, data, folder, kept=None):
+        super().__init__(data, folder, "report.html", kept)
+
+    @property
+    def model(self):
+        path = self.folder / "model.yaml"
+        return load_model(path) if path.exists() else None
+
+
 ERROR_NAMES = {"train": "training", "held_out": "held out", "simulated": "simulated, held out"}
 BALANCE_NAMES = {"K": ", encoders", "Q": ", gas"}
 
 
-class Report(_Result):
+class Report(_Found):
     """What `sinew close-loop` found of a joint, or of a robot on two feet.
 
     verdict, outcome, sentence; effects (in the model), open (supported, neither confirmed nor refuted) and refuted:
@@ -189,27 +201,20 @@ class Report(_Result):
     size), candidates (round, name, gain, accepted, refused)."""
 
     def __init__(self, data, folder, kept=None):
-        super().__init__(data, folder, "report.html", kept)
+        super().__init__(data, folder, kept)
         self.outcome = data.get("outcome", data["verdict"])
         self.effects, self.open, self.refuted = ([Effect(one) for one in data.get(key, [])]
                                                  for key in ("effects", "open", "refuted"))
         rest = data.get("unexplained") or {}
         self.unexplained = (rest.get("variable") if isinstance(rest, dict) else rest) or None
-        hidden = data.get("not_excited", [])
         why = data.get("not_excited_why", {})
-        self.not_excited = {one["effect"]: one["reason"] if isinstance(one, dict) else why.get(one, "")
-                            for one in hidden if isinstance(one, dict)} | {
-                                one: why.get(one, "") for one in hidden if isinstance(one, str)}
+        self.not_excited = dict((one["effect"], one["reason"]) if isinstance(one, dict) else (one, why.get(one, ""))
+                                for one in data.get("not_excited", []))
         self.next_experiment = data.get("next_experiment")
 
     @property
     def joints(self):
         return {self.data.get("joint", self.data.get("robot", "")): self}
-
-    @property
-    def model(self):
-        path = self.folder / "model.yaml"
-        return load_model(path) if path.exists() else None
 
     @property
     def errors(self):
@@ -282,21 +287,16 @@ class Report(_Result):
         return "\n".join(lines)
 
 
-class RobotReport(_Result):
+class RobotReport(_Found):
     """What `sinew close-loop` found of a robot of several joints: verdict; joints (name -> Report), also by
     report["NAME"] and in a loop; arm (dict of an arm's errors, loads and base parameters, else None); model; folder,
     page."""
 
     def __init__(self, data, folder, kept=None):
-        super().__init__(data, folder, "report.html", kept)
+        super().__init__(data, folder, kept)
         self.joints = {one["joint"]: Report(one, folder / one["joint"], kept) for one in data["joints"]}
         self.arm = data.get("arm")
         self.faults = [fault for joint in self for fault in joint.faults]
-
-    @property
-    def model(self):
-        path = self.folder / "model.yaml"
-        return load_model(path) if path.exists() else None
 
     def __getitem__(self, joint):
         return self.joints[joint]
