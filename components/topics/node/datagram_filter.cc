@@ -30,9 +30,15 @@ enum Submessage : std::uint8_t {
   kSecurePostfix = 0x34,  // and its postfix
 };
 
-constexpr std::uint16_t kParameterPad = 0x0000, kSentinel = 0x0001;
+constexpr std::uint16_t kParameterPad = 0x0000, kSentinel = 0x0001, kLease = 0x0002;
 
-enum class Form { kFixed, kText, kOctets, kTexts, kShorts, kProperties, kToken };
+// A participant's lease in s. Fast DDS 2.9 takes a missing one for 0, and goes on with what it has
+// just stored of a participant without its lock (PDPListener::onNewCacheChangeAdded) while the
+// thread of timers may already clear it: it then reads beyond the properties. Nobody announces
+// itself more than twice a second, so a shorter lease ends between two announcements.
+constexpr std::int32_t kShortestLease = 1;
+
+enum class Form { kFixed, kLease, kText, kOctets, kTexts, kShorts, kProperties, kToken };
 
 struct Rule {
   std::uint16_t id;
@@ -43,7 +49,7 @@ struct Rule {
 
 // Parameters that our and other implementations' discovery needs. Lengths: RTPS 2.5, table 9.13.
 constexpr std::array kRules = {
-    Rule{0x0002, Form::kFixed, 8},        // participant lease
+    Rule{kLease, Form::kLease},           // participant lease
     Rule{0x0004, Form::kFixed, 8},        // time based filter
     Rule{0x0021, Form::kFixed, 8},        // presentation
     Rule{0x0023, Form::kFixed, 8},        // deadline
@@ -181,6 +187,8 @@ bool Holds(const Rule& rule, std::span<const std::uint8_t> value, bool little_en
   switch (rule.form) {
     case Form::kFixed:
       return value.size() == rule.length;
+    case Form::kLease:
+      return value.size() == 8 && static_cast<std::int32_t>(fields.Long()) >= kShortestLease;
     case Form::kText:
       return IsText(&fields);
     case Form::kOctets:
@@ -399,7 +407,9 @@ class Checker {
         // Encapsulation PL_CDR_BE or PL_CDR_LE, then a list of parameters.
         const std::uint8_t encapsulation = datagram_[payload + 1];
         if (datagram_[payload] != 0 || (encapsulation != 2 && encapsulation != 3)) return false;
-        return ParametersOf(payload + 4, size - 4, encapsulation == 3).has_value();
+        has_lease_ = false;
+        return ParametersOf(payload + 4, size - 4, encapsulation == 3).has_value() &&
+               (key || has_lease_ || head->writer != kDiscoveryOfParticipants);
       }
       case kParticipantMessages:  // encapsulation, GUID prefix, kind, octets
         if (size < 24) return false;
@@ -441,6 +451,7 @@ class Checker {
       const std::uint16_t id = head.Short();
       const std::size_t length = head.Short();
       if (id == kSentinel) return done + 4;
+      has_lease_ = has_lease_ || id == kLease;
       if (length % 4 != 0 || length > size - done - 4) return std::nullopt;
       const auto rule = std::find_if(kRules.begin(), kRules.end(),
                                      [&](const Rule& each) { return each.id == id; });
@@ -466,7 +477,8 @@ class Checker {
 
   std::span<const std::uint8_t> datagram_;
   bool secure_;
-  bool plain_;  // not encrypted, where it ought to be
+  bool plain_;              // not encrypted, where it ought to be
+  bool has_lease_ = false;  // of the list of parameters that was read last
   std::vector<std::uint8_t>* copy_;
   std::vector<std::size_t> removed_;  // where submessages begin
   std::vector<std::size_t> blanked_;  // where parameters begin

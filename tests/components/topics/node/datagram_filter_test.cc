@@ -77,6 +77,25 @@ TEST(DatagramFilter, NoRtpsIsDropped) {
   EXPECT_TRUE(IsDropped(version));
 }
 
+// Fast DDS 2.9 clears what has no lease, or a short one, while it still reads it.
+TEST(DatagramFilter, AParticipantHasALeaseOfASecondOrMore) {
+  const auto announces = [](const Datagram& lease) {
+    return Only(kDataId, Announcement({Parameter(0x15, {2, 2, 0, 0})}, lease), kWithPayload);
+  };
+  EXPECT_TRUE(Passes(announces(Lease(1))));
+  EXPECT_TRUE(Passes(announces(Lease(0x7fffffff))));
+  EXPECT_TRUE(IsDropped(announces({})));
+  EXPECT_TRUE(IsDropped(announces(Lease(0))));
+  EXPECT_TRUE(IsDropped(announces(Lease(0xffffffff))));  // -1
+  Datagram twice = Lease(1);
+  Add(&twice, Lease(0));  // the last one counts
+  EXPECT_TRUE(IsDropped(announces(twice)));
+  // The end of a participant says its key alone.
+  constexpr std::uint8_t kWithKey = 1 | 8;
+  EXPECT_TRUE(Passes(
+      Only(kDataId, Announcement({Parameter(0x50, Datagram(16, 1))}, Datagram{}), kWithKey)));
+}
+
 TEST(DatagramFilter, SubmessagesOfVendorsAreTakenOut) {
   const Datagram sample = Sample();
   Datagram behind = sample;

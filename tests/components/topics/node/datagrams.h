@@ -67,9 +67,19 @@ inline Datagram Data(std::initializer_list<std::uint8_t> writer, const Datagram&
 }
 inline constexpr std::uint8_t kWithPayload = 1 | 4;
 
-// What announces a participant: its list of parameters.
-inline Datagram Announcement(std::initializer_list<Datagram> parameters) {
+// A participant's lease of whole seconds.
+inline Datagram Lease(std::uint32_t seconds) {
+  Datagram value;
+  AddNumber(&value, seconds, 4);
+  AddNumber(&value, 0, 4);  // fraction
+  return Parameter(2, value);
+}
+
+// What announces a participant: its list of parameters, by default with a lease in front.
+inline Datagram Announcement(std::initializer_list<Datagram> parameters,
+                             const Datagram& lease = Lease(3)) {
   Datagram list = {0, 3, 0, 0};
+  Add(&list, lease);
   for (const Datagram& parameter : parameters) Add(&list, parameter);
   Add(&list, Parameter(1, {}));
   return Data({0, 1, 0, 0xc2}, list);
