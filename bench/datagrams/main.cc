@@ -158,13 +158,24 @@ std::vector<Datagram> Captured(const node::Options& options, std::size_t most) {
   return out;
 }
 
+// Where a little-endian announcement has the seconds of its lease. 0: it is none.
+std::size_t LeaseOf(const Datagram& datagram) {
+  constexpr std::array<std::uint8_t, 4> kHead = {0x02, 0x00, 8, 0};  // parameter, length
+  const auto at =
+      std::search(datagram.begin() + kHeader, datagram.end(), kHead.begin(), kHead.end());
+  return datagram.end() - at < 12 ? 0 : static_cast<std::size_t>(at - datagram.begin()) + 4;
+}
+
 // Bytes, words and lengths behind the header; of half of them the sender is a stranger. All but
-// `whole` of them are broken besides, so that fewer pass the filter.
+// `whole` of them are broken besides, so that fewer pass the filter. `leases`: instead of a part of
+// them, announcements of strangers that end at once, or in the next seconds.
 class Mutator {
  public:
-  Mutator(std::uint32_t seed, double whole) : random_(seed), whole_(whole) {}
+  Mutator(std::uint32_t seed, double whole, double leases)
+      : random_(seed), whole_(whole), leases_(leases) {}
 
   Datagram Of(const std::vector<Datagram>& seeds) {
+    if (leases_(random_)) return ShortLived(seeds);
     Datagram out = Mutated(seeds);
     if (!whole_(random_)) Break(&out);
     return out;
@@ -182,6 +193,27 @@ class Mutator {
       out.insert(out.end(), more.begin() + kHeader, more.end());
     }
     return out;
+  }
+  Datagram ShortLived(const std::vector<Datagram>& seeds) {
+    for (;;) {
+      Datagram out = seeds[random_() % seeds.size()];
+      const std::size_t lease = LeaseOf(out);
+      if (lease == 0) continue;
+      const Datagram sender(out.begin() + kPrefix, out.begin() + kPrefix + 12);
+      Datagram stranger = sender;
+      Replace(&stranger, 0, stranger.size());
+      // In the header and in the GUID that is announced.
+      for (auto at = out.begin(); at != out.end(); at += 12) {
+        at = std::search(at, out.end(), sender.begin(), sender.end());
+        if (at == out.end()) break;
+        std::copy(stranger.begin(), stranger.end(), at);
+      }
+      const std::uint32_t seconds = random_() % 4 == 0 ? 1 + random_() % 3 : 0;
+      const std::uint32_t fraction = random_() % 2 == 0 ? 0 : random_() % (1u << 22);  // 1 ms
+      std::memcpy(out.data() + lease, &seconds, 4);
+      std::memcpy(out.data() + lease + 4, &fraction, 4);
+      return out;
+    }
   }
   // From its header or its first submessage on: random, cut off, of another vendor, of a length
   // that is wrong.
@@ -228,7 +260,7 @@ class Mutator {
   }
 
   std::mt19937 random_;
-  std::bernoulli_distribution whole_;
+  std::bernoulli_distribution whole_, leases_;
 };
 
 class Sender {
@@ -269,6 +301,7 @@ struct SoakOptions {
   std::uint64_t count = 100'000'000;
   std::uint32_t seed = 1;
   double whole = 1.0;
+  double leases = 0.0;
 };
 
 // So many are on their way at most: the sockets hold some hundreds each.
@@ -282,7 +315,7 @@ int Soak(const SoakOptions& options) {
   Pair attacked(options.node, "attacked");
   if (!attacked.Talks()) throw std::runtime_error("the participants do not find each other");
   Sender sender(options.node.domain_id);
-  Mutator mutator(options.seed, options.whole);
+  Mutator mutator(options.seed, options.whole, options.leases);
   const auto began = Clock::now();
   const node::internal::DatagramCounts first = node::internal::ReceivedDatagrams();
   std::uint64_t received = 0, sent = 0, next_pair = kBetweenPairs;
@@ -329,6 +362,8 @@ int main(int argc, char** argv) {
   app.add_option("--count", options.count, "Datagrams that the participants receive");
   app.add_option("--seed", options.seed, "Of the mutations");
   app.add_option("--whole", options.whole, "Share that is not broken besides, most of it passes")
+      ->check(CLI::Range(0.0, 1.0));
+  app.add_option("--leases", options.leases, "Share of announcements with a short lease instead")
       ->check(CLI::Range(0.0, 1.0));
   CLI11_PARSE(app, argc, argv);
   spdlog::set_level(spdlog::level::off);
