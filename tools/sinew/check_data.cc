@@ -25,6 +25,16 @@ struct CheckDataOptions {
   bool json = false;
 };
 
+void PrintLines(const gate::GateReport& found) {
+  for (const gate::Fault& fault : found.faults) {
+    std::cout << "fault " << gate::FormatFault(fault) << '\n';
+  }
+  for (const identify::Finding& finding : found.findings) {
+    std::cout << "finding " << finding.name << ": " << finding.text << '\n';
+  }
+  std::cout << "verdict: " << report::VerdictWord(found) << '\n';
+}
+
 void CheckData(const CheckDataOptions& options) {
   const auto start = std::chrono::steady_clock::now();
   const close_loop::Input input = close_loop::LoadInput(options.loop);
@@ -55,16 +65,11 @@ void CheckData(const CheckDataOptions& options) {
   }
   if (options.json) {
     std::cout << json;
-    return;
+  } else {
+    PrintLines(check.gate);
+    if (!out.empty()) std::cout << "written: " << (out / "check.html").string() << ", check.json\n";
   }
-  for (const gate::Fault& fault : check.gate.faults) {
-    std::cout << "fault " << gate::FormatFault(fault) << '\n';
-  }
-  for (const identify::Finding& finding : check.gate.findings) {
-    std::cout << "finding " << finding.name << ": " << finding.text << '\n';
-  }
-  std::cout << "verdict: " << report::VerdictWord(check.gate) << '\n';
-  if (!out.empty()) std::cout << "written: " << (out / "check.html").string() << ", check.json\n";
+  if (check.gate.stops()) throw CLI::RuntimeError(1);
 }
 
 }  // namespace

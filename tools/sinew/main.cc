@@ -45,7 +45,9 @@ int main(int argc, char** argv) {
   try {
     app.set_version_flag("--version", std::string("sinew ") + sinew::node::kVersion);
     app.require_subcommand(0, 1);
-    app.footer("The help of each command has examples, e.g. `sinew help launch`.");
+    app.footer(
+        "The help of each command has examples, e.g. `sinew help launch`. Exit codes: 0 done, 1 a "
+        "fault was found\nor the robot did not do it, 2 error.");
     sinew::tools::AddAllCommands(app);
     AddVersionCommand(app);
     sinew::tools::AddGuide(app);
@@ -70,6 +72,6 @@ int main(int argc, char** argv) {
     return 2;
   } catch (const std::exception& error) {
     std::cerr << sinew::tools::CommandInUse(app) << ": " << error.what() << '\n';
-    return EXIT_FAILURE;
+    return 2;
   }
 }

@@ -75,7 +75,7 @@ TEST(CheckData, AFaultIsALineWithRowAndRemedyAndAPageWithPictures) {
   const Finished run =
       testing::Run({kSinew, "check-data", "--model", (kClean / "rig.json").string(),
                     spiked.string(), "--out", out.string()});
-  EXPECT_EQ(run.exit_code, 0) << run.error;
+  EXPECT_EQ(run.exit_code, 1) << run.error;
   EXPECT_THAT(run.output, HasSubstr("fault spike: motor_current of spiked.csv, row "));
   EXPECT_THAT(run.output, HasSubstr("--accept-fault spike"));
   EXPECT_THAT(run.output, HasSubstr("verdict: data_fault\n"));

@@ -24,10 +24,11 @@ class SinewError(RuntimeError):
         super().__init__(f"{name}: {reason}")
 
 
-def run(*arguments, sinew=None):
+def run(*arguments, sinew=None, results=(0,)):
     """Runs `sinew ARGUMENT...` and gives what it printed; raises SinewError when it fails.
 
-    Arguments are texts, numbers, paths, models or recordings. sinew: the program, else the one on PATH."""
+    Arguments are texts, numbers, paths, models or recordings. sinew: the program, else the one on PATH. results: exit
+    codes that are no failure."""
     command = [_word(sinew or "sinew")] + [_word(argument) for argument in arguments]
     if shutil.which(command[0]) is None:
         raise SinewError(command, None, f"no program '{command[0]}'" + (
@@ -36,7 +37,7 @@ def run(*arguments, sinew=None):
         done = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, check=False)
     except OSError as error:
         raise SinewError(command, None, f"'{command[0]}' cannot be run: {error.strerror}") from error
-    if done.returncode != 0:
+    if done.returncode not in results:
         text = done.stderr.decode(errors="replace").strip() or done.stdout.decode(errors="replace").strip()
         if done.returncode < 0:
             text = f"ended by signal {-done.returncode}; {text}".removesuffix("; ")
@@ -51,7 +52,7 @@ def check_data(recordings, model=None, *, map=None, joint=None, accept_faults=()
     it a temporary one that is gone with the result. A fault is a result; an error raises SinewError."""
     folder, kept = _folder(out)
     run("check-data", *_words(recordings), *_options(model=model, map=map, joint=joint, out=folder,
-                                                     accept_fault=accept_faults), sinew=sinew)
+                                                     accept_fault=accept_faults), sinew=sinew, results=(0, 1))
     return read_check(folder, kept)
 
 
