@@ -75,12 +75,12 @@ inline Datagram Lease(std::uint32_t seconds) {
   return Parameter(2, value);
 }
 
-// What announces a participant: its list of parameters, by default with a lease in front.
+// What announces a participant: its list of parameters, by default with a lease at the end.
 inline Datagram Announcement(std::initializer_list<Datagram> parameters,
                              const Datagram& lease = Lease(3)) {
   Datagram list = {0, 3, 0, 0};
-  Add(&list, lease);
   for (const Datagram& parameter : parameters) Add(&list, parameter);
+  Add(&list, lease);
   Add(&list, Parameter(1, {}));
   return Data({0, 1, 0, 0xc2}, list);
 }
