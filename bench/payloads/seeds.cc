@@ -5,6 +5,7 @@
 #include <sinew_idl/estop.h>
 #include <sinew_idl/joint.h>
 #include <sinew_idl/learning.h>
+#include <sinew_idl/log.h>
 #include <sinew_idl/operator.h>
 #include <sinew_idl/performance.h>
 #include <sinew_idl/pneumatics.h>
@@ -97,6 +98,7 @@ class Collection {
     AddEmpty(node::kBusStatus);
     AddEmpty(node::kRecordingProgress);
     AddEmpty(node::kComponentStatus);
+    AddEmpty(node::kLog);
     for (const auto& of_topic : seeds_) {
       if (of_topic.empty()) throw std::logic_error("a topic has no seed");
     }

@@ -99,7 +99,7 @@ def check_subset(arguments):
 WRONG_TABLES = [
     ([("imu", "Imu", "sensors", "state"), ("imu", "Imu", "sensors", "state")], "topic 'imu' is there twice"),
     ([("Imu", "Imu", "sensors", "state")], "topic 'Imu', expected lower_case"),
-    ([("imu", "Imu", "sensors", "fast")], "QoS 'fast', expected one of: state, control, event, latched"),
+    ([("imu", "Imu", "sensors", "fast")], "QoS 'fast', expected one of: state, control, event, latched, lockstep"),
     ([("imu", "Imu", "sensor", "state")], "topic 'imu': no file sensor.idl"),
     ([("imu", "Imus", "sensors", "state")], "topic 'imu': sensors.idl has no struct Imus"),
     ([], "no table with the columns"),

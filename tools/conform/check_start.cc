@@ -160,7 +160,9 @@ void CheckTypes(RealTimeRun& run) {
     }
     if (!endpoint.is_writer) continue;
     writes += " " + endpoint.topic;
-    if (endpoint.topic != node::kComponentStatus.name && !run.role.Writes(endpoint.topic)) {
+    const bool of_all =
+        endpoint.topic == node::kComponentStatus.name || endpoint.topic == node::kLog.name;
+    if (!of_all && !run.role.Writes(endpoint.topic)) {
       others += " " + endpoint.topic;
     }
   }

@@ -13,7 +13,7 @@ import sys
 import embed_idl
 
 COLUMNS = ["topic", "type", "file", "writer", "readers", "rate", "QoS"]
-PROFILES = ["state", "control", "event", "latched"]
+PROFILES = ["state", "control", "event", "latched", "lockstep"]
 GENERATED = "// Generated from idl/README.md by tools/idl/topics.py."
 
 

@@ -1,8 +1,8 @@
 // Roles of certificates, and the topics that each may write: from the table in idl/README.md.
 //
 // A role is a party of the table's writers, or several that are one in practice. A certificate may
-// have several roles. Every certificate may write component_status and read every topic: reading
-// moves nothing. Pure.
+// have several roles. Every certificate may write component_status and log, and read every topic:
+// reading moves nothing. Pure.
 #pragma once
 
 #include <string>

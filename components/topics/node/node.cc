@@ -5,15 +5,32 @@
 #include <algorithm>
 
 #include "components/topics/node/endpoint.h"
+#include "components/topics/node/log.h"
 #include "components/topics/node/node_impl.h"
 
 namespace sinew::node {
 
+namespace {
+
+// The writer of the log, of the first node of a process that has one. None where the user's QoS
+// profiles or certificate are of a version without it: the log is no reason to stop.
+std::unique_ptr<internal::WriterImpl> LogWriter(const std::shared_ptr<internal::NodeImpl>& impl) {
+  if (impl->apart() || !internal::LogIsUnsent()) return nullptr;
+  try {
+    return std::make_unique<internal::WriterImpl>(impl, *FindTopic(kLog.name));
+  } catch (const DdsError& error) {
+    spdlog::warn("the log is not sent: {}", error.what());
+    return nullptr;
+  }
+}
+
+}  // namespace
+
 Node::Node(const Options& options, const std::vector<std::string>& joint_names)
     : impl_(std::make_shared<internal::NodeImpl>(options, joint_names)) {
   try {
-    impl_->status.Open(
-        std::make_unique<internal::WriterImpl>(impl_, *FindTopic(kComponentStatus.name)));
+    auto writer = std::make_unique<internal::WriterImpl>(impl_, *FindTopic(kComponentStatus.name));
+    impl_->status.Open(std::move(writer), LogWriter(impl_));
   } catch (const internal::RefusedBySecurity& refused) {
     spdlog::info("{}; it runs without", refused.what());  // whoever may write nothing still reads
   }
@@ -26,8 +43,13 @@ Node::~Node() {
 }
 
 void Node::ReadRaw(const TopicInfo& topic, RawCallback callback, bool wakes) {
-  impl_->raw_readers.push_back(
-      std::make_unique<internal::ReaderImpl>(impl_, topic, std::move(callback), wakes));
+  try {
+    impl_->raw_readers.push_back(
+        std::make_unique<internal::ReaderImpl>(impl_, topic, std::move(callback), wakes));
+  } catch (const DdsError& error) {
+    if (topic.name != kLog.name) throw;
+    spdlog::warn("the log of others is not read: {}", error.what());
+  }
 }
 
 int Node::RawMatchedWriters(const std::string& topic) const {

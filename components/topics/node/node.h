@@ -132,6 +132,7 @@ class Node {
 
   // Untyped ends for recorders and players. The callback runs in a DDS thread: copy and return.
   // wakes: samples end WaitForData. A callback that hands its sample to another thread needs none.
+  // Of the log nothing, with a warning, where the QoS profiles lack its own.
   using RawCallback = std::function<void(RawSample&&)>;
   void ReadRaw(const TopicInfo& topic, RawCallback callback, bool wakes = true);
   RawWriter MakeRawWriter(const TopicInfo& topic);

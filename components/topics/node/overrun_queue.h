@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <deque>
 #include <mutex>
+#include <optional>
 #include <utility>
 
 #include "components/topics/node/helper_thread.h"
@@ -35,16 +36,18 @@ class OverrunQueue {
   // Blocks for the oldest entry.
   Entry Take() {
     while (true) {
-      {
-        const std::lock_guard<PriorityMutex> lock(mutex_);
-        if (!entries_.empty()) {
-          Entry entry = std::move(entries_.front());
-          entries_.pop_front();
-          return entry;
-        }
-      }
+      if (std::optional<Entry> entry = TryTake()) return std::move(*entry);
       wake_up_.Wait();
     }
+  }
+
+  // The oldest entry, where there is one.
+  std::optional<Entry> TryTake() {
+    const std::lock_guard<PriorityMutex> lock(mutex_);
+    if (entries_.empty()) return std::nullopt;
+    std::optional<Entry> entry(std::move(entries_.front()));
+    entries_.pop_front();
+    return entry;
   }
 
   std::uint64_t pushed() const {

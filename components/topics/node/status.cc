@@ -1,5 +1,6 @@
 #include "components/topics/node/status.h"
 
+#include <sinew_idl/log.h>
 #include <sinew_idl/status.h>
 #include <unistd.h>
 
@@ -9,6 +10,7 @@
 
 #include "components/topics/node/filtered_transport.h"
 #include "components/topics/node/host_name.h"
+#include "components/topics/node/log.h"
 #include "components/topics/node/ownership.h"
 #include "components/topics/node/version.h"
 
@@ -28,16 +30,22 @@ double ResidentMegabytes() {
 Status::Status(const std::string& component, const std::string& name)
     : component_(component), name_(name), host_(HostName()) {}
 
-void Status::Open(std::unique_ptr<WriterImpl> writer) {
+void Status::Open(std::unique_ptr<WriterImpl> writer, std::unique_ptr<WriterImpl> log_writer) {
   writer_ = std::move(writer);
+  log_writer_ = std::move(log_writer);
+  if (log_writer_) WakeForLog(&wake_up_);
   opened_ = std::chrono::steady_clock::now();
   Beat();
   thread_ = std::thread([this] { Run(); });
 }
 
 void Status::Close() {
+  // A reader that sees the writer go drops what it has not taken. Longest wait for one that is
+  // stopped.
+  constexpr std::chrono::milliseconds kHeard(200);
   systemd_.SetStopping();
   Beat();
+  if (log_writer_) FlushLog(kHeard);  // what was logged so far is there to be sent
   {
     const std::lock_guard<PriorityMutex> lock(mutex_);
     if (values_.state != Node::State::kFault) values_.state = Node::State::kStopped;
@@ -45,6 +53,7 @@ void Status::Close() {
   }
   wake_up_.Give();
   if (thread_.joinable()) thread_.join();
+  if (log_writer_) WakeForLog(nullptr);
   // An observer must hear why it ends, also one that discovery has not matched with it yet: Fast
   // DDS repeats endpoints once a second (edp_heartbeat_period in EDPSimple.cpp), and a repeat may
   // be lost.
@@ -52,11 +61,10 @@ void Status::Close() {
   if (writer_ && values_.state == Node::State::kFault) {
     std::this_thread::sleep_until(opened_ + kFound);
   }
-  // A reader that sees the writer go drops what it has not taken. Longest wait for one that is
-  // stopped.
-  constexpr std::chrono::milliseconds kHeard(200);
   if (writer_) (void)writer_->WaitAcknowledged(kHeard);
+  if (log_writer_) (void)log_writer_->WaitAcknowledged(kHeard);
   writer_.reset();
+  log_writer_.reset();
 }
 
 void Status::Beat() noexcept {
@@ -130,6 +138,7 @@ void Status::Run() {
       ended = ended_;
     }
     if (changed) ReportToSystemd(values);
+    if (log_writer_) SendLog(values);
     const std::uint64_t beats = beats_.load(std::memory_order_relaxed);
     const bool is_due = steady_clock::now() >= due;
     if (is_due || changed) due = steady_clock::now() + std::chrono::seconds(1);
@@ -141,14 +150,15 @@ void Status::Run() {
   }
 }
 
+msg::Header Status::HeaderOf(const Values& values) {
+  return {values.session_id, values.tick, values.stamp_ns, values.origin};
+}
+
 void Status::Publish(const Values& values) {
   msg::ComponentStatus status;
   status.name = name_;
   status.component_kind = component_;
-  status.header.session_id = values.session_id;
-  status.header.tick = values.tick;
-  status.header.stamp_ns = values.stamp_ns;
-  status.header.origin = values.origin;
+  status.header = HeaderOf(values);
   status.state = values.state;
   status.standby = values.standby;
   status.permitted_replay = values.permitted_replay;
@@ -171,6 +181,16 @@ void Status::Publish(const Values& values) {
   Bytes bytes;
   if (!Encode(status, &bytes) || writer_->WriteToDds(&bytes) != WriteStatus::kOk) {
     ++failed_publications_;
+  }
+}
+
+void Status::SendLog(const Values& values) {
+  Bytes bytes;
+  while (std::optional<msg::LogLine> line = NextLogLine()) {
+    line->header = HeaderOf(values);
+    if (!Encode(*line, &bytes) || log_writer_->WriteToDds(&bytes) != WriteStatus::kOk) {
+      ++failed_publications_;
+    }
   }
 }
 

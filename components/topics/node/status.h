@@ -1,9 +1,10 @@
-// The state of a component: component_status on DDS, and the report to systemd.
+// The state of a component: component_status on DDS, and the report to systemd; its log on DDS.
 //
 // Threads: the loop (the thread of the node's owner) sets values and counts its beats, which takes
 // no system call and no wait; a thread of this class, of SCHED_OTHER, reads /proc and publishes. It
 // publishes a change at once, and once a second if the loop has counted on since: the status of a
-// loop that hangs grows old although its process lives. DDS threads count samples.
+// loop that hangs grows old although its process lives. It sends the lines of the log (log.h) as
+// they come. DDS threads count samples.
 #pragma once
 
 #include <atomic>
@@ -24,8 +25,8 @@ class Status {
  public:
   Status(const std::string& component, const std::string& name);
 
-  // Publishes from here on, the first message at once.
-  void Open(std::unique_ptr<WriterImpl> writer);
+  // Publishes from here on, the first message at once. log_writer: none: the log is not sent.
+  void Open(std::unique_ptr<WriterImpl> writer, std::unique_ptr<WriterImpl> log_writer);
   // Publishes the last message (stopped, unless the component is in fault) and ends thread and
   // writer. A component in fault stays until 3 s after Open, so that every observer has found it.
   void Close();
@@ -62,8 +63,10 @@ class Status {
   // Sets the value, and has the thread publish when it is another one.
   template <class Value>
   void Set(Value Values::*member, const Value& value);
+  static msg::Header HeaderOf(const Values& values);
   void Run();
   void Publish(const Values& values);
+  void SendLog(const Values& values);
   void ReportToSystemd(const Values& values);
 
   const std::string component_, name_, host_;
@@ -75,7 +78,7 @@ class Status {
   bool changed_ = false, ended_ = false;
 
   WakeUp wake_up_;
-  std::unique_ptr<WriterImpl> writer_;  // of the thread
+  std::unique_ptr<WriterImpl> writer_, log_writer_;  // of the thread
   std::chrono::steady_clock::time_point opened_;
   std::uint64_t failed_publications_ = 0;
   std::thread thread_;

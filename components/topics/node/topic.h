@@ -12,7 +12,8 @@ enum class Profile {
   kEvent,     // RELIABLE, KEEP_LAST 16, volatile: requests and arm
   kLatched,   // RELIABLE, TRANSIENT_LOCAL, KEEP_LAST 1 per key: status
   kLog,       // readers of recorders: RELIABLE where offered, KEEP_ALL
-  kLockstep,  // RELIABLE, TRANSIENT_LOCAL, KEEP_LAST 256, no wall-clock QoS: nothing dropped
+  kLockstep,  // RELIABLE, TRANSIENT_LOCAL, KEEP_LAST 256, no wall-clock QoS: nothing dropped; of
+              // the log in real time, too
 };
 
 std::string_view ProfileName(Profile profile);

@@ -21,8 +21,8 @@ using ::testing::Not;
 
 TEST(Roles, EveryWriterOfTheTableHasOne) { EXPECT_THAT(PartiesWithoutRole(), IsEmpty()); }
 
-TEST(Roles, AnObserverWritesItsStatusAlone) {
-  EXPECT_THAT(TopicsWrittenBy({"observer"}), ElementsAre("component_status"));
+TEST(Roles, AnObserverWritesItsStatusAndItsLogAlone) {
+  EXPECT_THAT(TopicsWrittenBy({"observer"}), ElementsAre("component_status", "log"));
 }
 
 TEST(Roles, OnlyOperatorsAndEstopsWriteOperatorCommands) {
@@ -31,14 +31,15 @@ TEST(Roles, OnlyOperatorsAndEstopsWriteOperatorCommands) {
     const auto topics = TopicsWrittenBy({role});
     EXPECT_EQ(std::count(topics.begin(), topics.end(), "operator_command"), may ? 1 : 0) << role;
     EXPECT_THAT(topics, Contains("component_status")) << role;
+    EXPECT_THAT(topics, Contains("log")) << role;
     EXPECT_FALSE(PurposeOf(role).empty()) << role;
   }
 }
 
 TEST(Roles, ParticipantsOfTheChainWriteWhatTheTableSays) {
   EXPECT_THAT(TopicsWrittenBy({"control"}),
-              ElementsAre("component_snapshot", "component_status", "joint_command"));
-  EXPECT_THAT(TopicsWrittenBy({"esn"}), ElementsAre("component_snapshot", "component_status",
+              ElementsAre("component_snapshot", "component_status", "joint_command", "log"));
+  EXPECT_THAT(TopicsWrittenBy({"esn"}), ElementsAre("component_snapshot", "component_status", "log",
                                                     "reservoir_state", "torque_prediction"));
   EXPECT_THAT(TopicsWrittenBy({"provider"}), Contains("joint_state"));
   EXPECT_THAT(TopicsWrittenBy({"provider"}), Not(Contains("joint_command")));
@@ -67,7 +68,10 @@ TEST(Documents, AGrantNamesExactlyTheTopicsOfItsRoles) {
                                         .domain_id = 7,
                                         .not_before = "2026-01-01T00:00:00",
                                         .not_after = "2027-01-01T00:00:00"});
-  EXPECT_THAT(text, HasSubstr("<publish><topics>\n<topic>component_status</topic>\n</topics>"));
+  EXPECT_THAT(
+      text,
+      HasSubstr(
+          "<publish><topics>\n<topic>component_status</topic>\n<topic>log</topic>\n</topics>"));
   EXPECT_THAT(text, HasSubstr("<subject_name>CN=eye,O=a &amp; b</subject_name>"));
   EXPECT_THAT(text, HasSubstr("<id>7</id>"));
 }

@@ -25,6 +25,14 @@ TEST(OverrunQueue, AFullOneDropsItsOldestEntriesAndCountsThem) {
   EXPECT_EQ(queue.Take(), 10) << "what was dropped left no wake-up that finds nothing";
 }
 
+TEST(OverrunQueue, TryTakeGivesNothingWhereNothingIs) {
+  OverrunQueue<int> queue(3);
+  EXPECT_FALSE(queue.TryTake().has_value());
+  queue.Push(1);
+  EXPECT_EQ(queue.TryTake(), 1);
+  EXPECT_FALSE(queue.TryTake().has_value());
+}
+
 TEST(OverrunQueue, TakesWhatManyThreadsPush) {
   constexpr int kThreads = 4, kEach = 2000;
   OverrunQueue<int> queue(kThreads * kEach);
