@@ -26,6 +26,7 @@ std::map<std::string, std::vector<std::string>> RunRig(const std::filesystem::pa
   EXPECT_EQ(run.exit_code, 0) << run.output << run.error;
   auto payloads = PayloadsByTopic(file);
   payloads.erase("component_status");  // carries wall-clock facts
+  payloads.erase("log");
   // Of several writers, whose order among each other is that of their threads.
   auto& snapshots = payloads["component_snapshot"];
   std::sort(snapshots.begin(), snapshots.end());

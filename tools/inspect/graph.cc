@@ -13,7 +13,8 @@ namespace sinew::inspect {
 namespace {
 
 // Topics that every participant writes or only a recorder: they hide the rest of a picture.
-constexpr std::array<std::string_view, 2> kOfAll = {"component_status", "recording_progress"};
+constexpr std::array<std::string_view, 3> kOfAll = {"component_status", "log",
+                                                    "recording_progress"};
 
 bool IsShown(std::string_view topic, bool all) {
   return all || std::find(kOfAll.begin(), kOfAll.end(), topic) == kOfAll.end();

@@ -26,9 +26,9 @@ struct Graph {
   std::vector<std::string> unwritten;  // topics that are read and that nobody writes: drawn grey
 };
 
-// Graph by discovery. component_status and recording_progress, which all write or a recorder alone,
-// only with `all`. A participant that reads its own topic, to hear of another owner, is a reader
-// only when there is another writer. hosts: by node::ParticipantId, as far as known.
+// Graph by discovery. component_status, log and recording_progress, which all write or a recorder
+// alone, only with `all`. A participant that reads its own topic, to hear of another owner, is a
+// reader only when there is another writer. hosts: by node::ParticipantId, as far as known.
 Graph GraphOfDomain(const std::vector<node::Endpoint>& endpoints, bool all,
                     const std::map<std::string, std::string>& hosts = {});
 

@@ -116,7 +116,7 @@ void AddGraphCommand(CLI::App& app) {
   command->add_option("--wait", options->wait_s, "Seconds to listen")
       ->check(node::IsTime(node::Zero::kRefused))
       ->capture_default_str();
-  command->add_flag("--all", options->all, "With component_status and recording_progress");
+  command->add_flag("--all", options->all, "With component_status, log and recording_progress");
   command->footer(
       "Boxes are participants, ellipses topics. Red: a reader that no writer matches (sinew list "
       "says why);\n"

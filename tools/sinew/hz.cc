@@ -111,7 +111,8 @@ Summaries SummarizeNow(Meters& meters) {
 void ApplyProfile(const node::TopicInfo* topic, std::uint64_t number, Arrival* arrival) {
   if (topic == nullptr) return;
   const bool latched = topic->profile == node::Profile::kLatched;
-  if (latched || topic->profile == node::Profile::kEvent) arrival->tick.reset();
+  const bool log = topic->name == node::kLog.name;
+  if (latched || log || topic->profile == node::Profile::kEvent) arrival->tick.reset();
   arrival->from_history = latched && number == 1;
 }
 

@@ -268,10 +268,12 @@ inspect::TopicRow RowWithoutWriter(const Json& topic) {
   return row;
 }
 
-// A row for each writer; a topic without writers is a row, too.
-void PrintTopics(const Json& report) {
+// A row for each writer; a topic without writers is a row, too. all: with the log, which every
+// participant writes.
+void PrintTopics(const Json& report, bool all) {
   std::vector<inspect::TopicRow> rows;
   for (const Json& topic : report["topics"]) {
+    if (!all && topic["name"] == node::kLog.name) continue;
     const std::string owner = topic["owner"].get<std::string>();
     if (topic["writers"].empty()) rows.push_back(RowWithoutWriter(topic));
     for (const Json& endpoint : report["endpoints"]) {
@@ -341,14 +343,14 @@ Json Printable(Json report) {
   return report;
 }
 
-void PrintDomain(const Json& report) {
+void PrintDomain(const Json& report, bool all) {
   std::cout << "domain " << report["domain"] << ": " << report["participants"].size()
             << " participants, " << report["topics"].size() << " topics"
             << (report["participants"].empty() ? isolation::OthersIn(report["domain"]) : "")
             << '\n';
   std::cout.flush();
   PrintParticipants(report["participants"], report["host"].get<std::string>());
-  PrintTopics(report);
+  PrintTopics(report, all);
   std::cout << std::flush;
   if (!report["problems"].empty()) std::cout << '\n';
   for (const Json& problem : report["problems"]) {
@@ -424,7 +426,7 @@ bool IsInSummary(const std::string& name, const std::string& key, const std::str
 
 // About twenty lines, as wide as the terminal: a row for each topic of the robot.
 void PrintSummary(const Json& listed) {
-  static const std::set<std::string> kHidden = {"component_snapshot", "component_status",
+  static const std::set<std::string> kHidden = {"component_snapshot", "component_status", "log",
                                                 "recording_progress"};
   const std::size_t width = ::isatty(STDOUT_FILENO) == 1
                                 ? static_cast<std::size_t>(SizeOfTerminal(STDOUT_FILENO).columns)
@@ -512,7 +514,8 @@ void AddListCommand(CLI::App& app) {
       ->check(node::IsTime(node::Zero::kRefused))
       ->capture_default_str();
   command->add_flag("--all", options->all,
-                    "Of a recording all metadata, writers, snapshots and status");
+                    "Of a recording all metadata, writers, snapshots, status and logs; of a domain "
+                    "writers of the log, too");
   command->add_flag("--json", options->json, "As JSON");
   command->footer(
       "A row for each writer with type, QoS and the readers that hear it; below it those that do "
@@ -540,7 +543,7 @@ void AddListCommand(CLI::App& app) {
     if (options->json) {
       std::cout << types::JsonText(report) << '\n';
     } else {
-      PrintDomain(Printable(report));
+      PrintDomain(Printable(report), options->all);
     }
     if (!report["problems"].empty()) throw CLI::RuntimeError(1);
   });

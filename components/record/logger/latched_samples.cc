@@ -6,7 +6,7 @@ namespace sinew::logger {
 
 void LatchedSamples::Keep(const RecordedMessage& message,
                           const std::function<recording::TextMap(const WriterGuid&)>& describe) {
-  if (message.malformed) return;
+  if (message.malformed || RepeatsOf(message.topic) == Repeats::kNoSession) return;
   if (RepeatsOf(message.topic) == Repeats::kNothing) {
     session_id_ = message.session_id;
     return;

@@ -23,6 +23,7 @@ namespace sinew::logger {
 // Samples of a topic that are repeated.
 enum class Repeats {
   kNothing,        // the next cycle brings a new one
+  kNoSession,      // nothing, either: lines of a log, which may be of an earlier session
   kOfLiveWriters,  // status: as long as the writer is there
   kOfTheSession,   // requests: in force in their session, also when who asked has gone
 };

@@ -52,6 +52,7 @@ bool IsNumbered(const RecordOptions& options) {
 
 // Status and requests stay valid until the next one, everything else is sent every cycle.
 Repeats RepeatsOf(const node::TopicInfo& topic) {
+  if (topic.name == node::kLog.name) return Repeats::kNoSession;
   if (topic.profile == node::Profile::kLatched) return Repeats::kOfLiveWriters;
   if (topic.profile != node::Profile::kEvent) return Repeats::kNothing;
   // An operator's order counts once: arming is not in force later, and nobody may send it again. A
@@ -329,10 +330,10 @@ class Session {
       if (topic.messages == 0 || topic.session_id != state_.session->session_id ||
           topic.tick >= last)
         continue;
-      // Not bound to ticks: status by the clock, states now and then.
+      // Not bound to ticks: status by the clock, states and lines of logs now and then.
       const std::string& name = topics_[i]->name;
       if (name == node::kComponentStatus.name || name == node::kComponentSnapshot.name ||
-          name == node::kSnapshotRequest.name) {
+          name == node::kSnapshotRequest.name || name == node::kLog.name) {
         continue;
       }
       all_there = false;

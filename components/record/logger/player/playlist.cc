@@ -19,7 +19,7 @@ using recording::McapSchema;
 
 namespace {
 
-const std::set<std::string> kNotByDefault = {"component_status", "recording_progress"};
+const std::set<std::string> kNotByDefault = {"component_status", "log", "recording_progress"};
 
 const recording::TopicSchema* Find(const std::vector<recording::TopicSchema>& known,
                                    const std::string& name) {

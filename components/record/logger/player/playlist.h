@@ -28,7 +28,7 @@ namespace sinew::logger {
 
 struct PlaylistOptions {
   // Regular expressions (ECMAScript) of whole recorded names; empty: all but component_status,
-  // recording_progress and only_when_named, which are played only when one of these is exactly
+  // log, recording_progress and only_when_named, which are played only when one of these is exactly
   // their name.
   std::vector<std::string> topics;
   std::vector<std::string> exclude;          // the same, of what is left out

@@ -91,6 +91,14 @@ TEST(LatchedSamples, OfRequestsAreThoseOfTheSession) {
   EXPECT_EQ(NowOf(samples), (Facts{{kStatus, 2, 1}}));
 }
 
+TEST(LatchedSamples, LinesOfALogSayNothingOfTheSession) {
+  LatchedSamples samples({Repeats::kNothing, Repeats::kNoSession, Repeats::kOfTheSession});
+  samples.Keep(Sample(kCommand, kAnn, 1, 6), {});
+  samples.Keep(Sample(kState, kProvider, 1, 6), {});
+  samples.Keep(Sample(kStatus, kBen, 1, 5), {});
+  EXPECT_EQ(NowOf(samples), (Facts{{kCommand, 1, 1}}));
+}
+
 TEST(LatchedSamples, AreBoundedInNumber) {
   LatchedSamples samples(kRepeats);
   for (std::uint64_t i = 0; i < LatchedSamples::kMost + 10; ++i) {

@@ -127,7 +127,7 @@ TEST_F(LoggerFiles, ASplitRecordingLosesNothingAndNamesItsWriters) {
   const std::string imported = ImportTicks(3000);
   Program logger({kFilesBin + "sinew-logger", "--lockstep", "--domain", "202", "--out",
                   Path("run.mcap"), "--split-size", "600k", "--compression", "none", "--exclude",
-                  "component_.*"});
+                  "component_.*|log"});
   Program player({kFilesBin + "sinew-player", imported, "--lockstep", "--domain", "202", "--await",
                   "recording_progress:64", "--name", "some_player"});
   EXPECT_EQ(player.Wait(60s), 0) << player.error();

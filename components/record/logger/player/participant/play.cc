@@ -469,8 +469,8 @@ void AddPlayOptions(CLI::App& app, PlayOptions* options) {
   app.add_option("recording", options->path, "The recording, FILE.mcap")->required();
   app.add_option("--topics", options->list.topics,
                  "Only these topics (regular expressions of whole names, comma or blank between); "
-                 "by default all but component_status, recording_progress and those that command "
-                 "(joint_command, reference, ...), which must be named in full")
+                 "by default all but component_status, log, recording_progress and those that "
+                 "command (joint_command, reference, ...), which must be named in full")
       ->delimiter(',');
   app.add_option("--exclude", options->list.exclude,
                  "Not these topics (regular expressions as with --topics)")
