@@ -30,6 +30,7 @@ void AddCoreCommands(CLI::App& app) {
   AddExperimentCommand(app);
   AddListCommand(app);
   AddEchoCommand(app);
+  AddLogCommand(app);
   AddPlotCommand(app);
   AddHzCommand(app);
   AddGraphCommand(app);

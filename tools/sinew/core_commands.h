@@ -46,6 +46,8 @@ void AddVerifyCommand(CLI::App& app);
 void AddListCommand(CLI::App& app);
 // `sinew echo`: messages of a topic, decoded.
 void AddEchoCommand(CLI::App& app);
+// `sinew log`: lines of the logs of all participants, live or of recordings.
+void AddLogCommand(CLI::App& app);
 // `sinew plot`: fields of recordings over time, in the terminal or as PNG and SVG files.
 void AddPlotCommand(CLI::App& app);
 // `sinew hz`: rate, jitter, age and loss of topics, live or of a recording.

@@ -65,6 +65,7 @@ TEST(BashCompletion, OffersTheOptionsOfTheCommandThatIsTyped) {
   EXPECT_THAT(Offered({"arm", "--"}), Contains("--reason"));
   EXPECT_THAT(Offered({"plot", "--"}), IsSupersetOf({"--from", "--to", "--png", "--svg"}));
   EXPECT_THAT(Offered({"echo", "--"}), IsSupersetOf({"--once", "--rate"}));
+  EXPECT_THAT(Offered({"log", "--level", ""}), IsSupersetOf({"warn", "error"}));
 }
 
 TEST(BashCompletion, OffersSubcommandsOfSubcommands) {
