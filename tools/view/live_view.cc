@@ -11,6 +11,7 @@
 #include <mutex>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <span>
 #include <stdexcept>
 #include <thread>
 #include <utility>
@@ -18,6 +19,8 @@
 
 #include "components/base/types/clock/clock.h"
 #include "components/base/types/json_text.h"
+#include "components/record/recording/cdr.h"
+#include "components/record/recording/idl_schema.h"
 #include "components/topics/node/host_name.h"
 #include "components/topics/node/node.h"
 #include "components/topics/node/realtime.h"
@@ -27,6 +30,7 @@
 #include "tools/view/recorder_process.h"
 #include "tools/view/routes.h"
 #include "tools/view/server.h"
+#include "tools/view/shown_log.h"
 #include "tools/view/topic_rates.h"
 
 namespace sinew::live {
@@ -103,6 +107,26 @@ void Announce(const Server& server, const ServerOptions& options) {
   }
 }
 
+// Reads the lines of the topic `log`, in the threads of DDS.
+class LiveLog {
+ public:
+  void Take(std::span<const std::byte> payload) {
+    try {
+      shown_.Add(reader_.Read(payload));
+    } catch (const recording::CdrError&) {
+      // Another program's; it is no line.
+    }
+  }
+  const ShownLog& shown() const { return shown_; }
+
+ private:
+  static const node::TopicInfo& Topic() { return *node::FindTopic(node::kLog.name); }
+
+  const recording::IdlSchema idl_ = recording::IdlSchema::Parse(Topic().idl);
+  const inspect::LogReader reader_{idl_.Struct(Topic().type_name)};
+  ShownLog shown_;
+};
+
 // Counts of what came, by topic; written by the threads of DDS.
 struct Arrivals {
   explicit Arrivals(std::size_t topics) : counts(topics) {}
@@ -120,6 +144,7 @@ class Live {
   Live(const node::Options& options, const ViewOptions& view, const Page& page, const Robot* robot)
       : recorder_(options, view.record_folder),
         arrivals_(std::make_shared<Arrivals>(node::AllTopics().size())),
+        log_(std::make_shared<LiveLog>()),
         rates_(node::AllTopics().size()),
         node_(options),
         desk_(node_, {view.sockets.begin(), view.sockets.end()}),
@@ -127,6 +152,7 @@ class Live {
         participants_(node::HostName(), options.name, static_cast<double>(::sysconf(_SC_CLK_TCK))) {
     routes_.page = &page;
     routes_.robot = robot;
+    routes_.log = &log_->shown();
     routes_.allow_arming = view.allow_arming;
     routes_.info = types::JsonText(Json{{"mode", "live"},
                                         {"name", options.name},
@@ -147,10 +173,12 @@ class Live {
     server_end_.server = server_;
     std::uint32_t number = 1;
     for (const node::TopicInfo& topic : node::AllTopics()) {
-      // Server and counts live as long as DDS may call.
+      // Server, counts and log live as long as DDS may call.
       node_.ReadRaw(topic, [server = server_, arrivals = arrivals_,
+                            log = topic.name == node::kLog.name ? log_ : nullptr,
                             channel = ChannelNumber{number}](node::RawSample&& sample) {
         ++arrivals->counts[static_cast<std::uint32_t>(channel) - 1];
+        if (log) log->Take(sample.payload);
         server->Publish(channel, sample.reception_stamp_ns, std::move(sample.payload));
       });
       ++number;
@@ -277,6 +305,7 @@ class Live {
 
   RecorderProcess recorder_;
   std::shared_ptr<Arrivals> arrivals_;
+  std::shared_ptr<LiveLog> log_;
   TopicRates rates_;
   node::Node node_;
   OperatorDesk desk_;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <charconv>
 #include <initializer_list>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <sstream>
@@ -12,6 +13,7 @@
 #include "components/base/config/config.h"
 #include "components/base/types/json_text.h"
 #include "components/base/types/seconds.h"
+#include "tools/view/shown_log.h"
 
 namespace sinew::live {
 
@@ -19,6 +21,7 @@ namespace {
 
 constexpr const char* kTickTopic = "joint_state";
 constexpr const char* kStatusTopic = "component_status";
+constexpr const char* kLogTopic = "log";
 // By how much a message may be received after the joint_state of its tick: a second is as long as
 // the rarest topic of a cycle, component_status, waits.
 constexpr std::int64_t kLogMargin_ns = 1'000'000'000;
@@ -97,7 +100,7 @@ RecordedView::RecordedView(const std::filesystem::path& file) try
     AddChannel(id, channel, count == counts.end() ? 0 : count->second);
   }
   recording::MessageFilter filter;
-  filter.topics = std::set<std::string>{kTickTopic, kStatusTopic};
+  filter.topics = std::set<std::string>{kTickTopic, kStatusTopic, kLogTopic};
   recording::McapMessages messages = reader_.Messages(filter);
   recording::McapMessage message;
   while (messages.Next(&message)) {
@@ -105,7 +108,9 @@ RecordedView::RecordedView(const std::filesystem::path& file) try
     if (reader == readers_.end()) continue;
     if (topics_[reader->second.index].topic == kTickTopic) {
       AddTick(reader->second, message);
-    } else {
+    } else if (reader->second.log) {
+      AddLine(reader->second, message);
+    } else if (reader->second.status) {
       AddStatus(reader->second, message);
     }
   }
@@ -139,11 +144,15 @@ void RecordedView::AddChannel(recording::ChannelId id, const recording::McapChan
     topic = topics_.insert(topic, {channel.topic, schema->name, schema->data, 0});
   }
   topic->messages += messages;
-  Reader reader{
-      static_cast<std::size_t>(topic - topics_.begin()), readable,
-      recording::CdrField(type, "header.session_id"),    recording::CdrField(type, "header.tick"),
-      recording::CdrField(type, "header.stamp_ns"),      std::nullopt};
+  Reader reader{static_cast<std::size_t>(topic - topics_.begin()),
+                readable,
+                recording::CdrField(type, "header.session_id"),
+                recording::CdrField(type, "header.tick"),
+                recording::CdrField(type, "header.stamp_ns"),
+                std::nullopt,
+                std::nullopt};
   if (channel.topic == kStatusTopic) reader.status.emplace(type);
+  if (channel.topic == kLogTopic && recording::HasField(type, "time_ns")) reader.log.emplace(type);
   readers_.emplace(id, std::move(reader));
 }
 
@@ -191,6 +200,14 @@ void RecordedView::AddStatus(const Reader& reader, const recording::McapMessage&
     participants_.Add(message.log_time_ns, reader.status->Read(message.data));
   } catch (const recording::CdrError&) {
     // A recorder keeps malformed messages as they came; nobody is shown by them.
+  }
+}
+
+void RecordedView::AddLine(const Reader& reader, const recording::McapMessage& message) {
+  try {
+    lines_.push_back({message.log_time_ns, reader.log->Read(message.data)});
+  } catch (const recording::CdrError&) {
+    // As malformed statuses.
   }
 }
 
@@ -286,6 +303,33 @@ std::string RecordedView::Messages(const Query& query) const {
 std::string RecordedView::ParticipantsAt(const Moment& moment) const {
   const std::size_t index = IndexOf(moment.session);
   return types::JsonText(participants_.Rows(LogTime(index, moment.at_ns)));
+}
+
+std::string RecordedView::LogAt(const Moment& moment) const {
+  const std::size_t index = IndexOf(moment.session);
+  const std::vector<Times>& times = times_[index];
+  const auto after = [](std::int64_t log_ns, const Line& line) { return log_ns < line.log_ns; };
+  // At the end with what its participants said when it was over.
+  std::int64_t end_ns = LogTime(index, moment.at_ns);
+  if (moment.at_ns >= times.back().stamp_ns) {
+    end_ns = index + 1 < times_.size() ? times_[index + 1].front().log_ns
+                                       : std::numeric_limits<std::int64_t>::max();
+  }
+  const auto end = std::upper_bound(lines_.begin(), lines_.end(), end_ns, after);
+  const auto first =
+      index == 0 ? lines_.begin()
+                 : std::upper_bound(lines_.begin(), end, times_[index - 1].back().log_ns, after);
+  const auto most = static_cast<std::ptrdiff_t>(ShownLog::kMost);
+  nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+  for (auto line = end - std::min(end - first, most); line != end; ++line) {
+    const auto tick =
+        std::lower_bound(times.begin(), times.end(), line->log_ns,
+                         [](const Times& at, std::int64_t value) { return at.log_ns < value; });
+    const Times& at = tick == times.end() ? times.back() : *tick;
+    rows.push_back(LogRow(line->line));
+    rows.back()["time_s"] = 1e-9 * static_cast<double>(at.stamp_ns - times.front().stamp_ns);
+  }
+  return types::JsonText(rows);
 }
 
 }  // namespace sinew::live

@@ -21,6 +21,7 @@
 #include "components/record/recording/mcap_reader.h"
 #include "components/record/recording/message_type.h"
 #include "components/record/recording/session_clock.h"
+#include "tools/inspect/log_lines.h"
 #include "tools/view/recorded_participants.h"
 
 namespace sinew::live {
@@ -68,6 +69,10 @@ class RecordedView {
   // The rows of the participants at that moment, as JSON: Participants::Rows. Throws UsageError:
   // there is no such session.
   std::string ParticipantsAt(const Moment& moment) const;
+  // The newest lines of the log that were received until then, since the end of the session before,
+  // as JSON: each with time_s (on the clock of the session, from its start), level, name and text.
+  // Throws UsageError: there is no such session.
+  std::string LogAt(const Moment& moment) const;
 
  private:
   struct Times {
@@ -82,12 +87,14 @@ class RecordedView {
     recording::MessageType type;
     recording::CdrField session, tick, stamp;
     std::optional<StatusReader> status;  // of component_status
+    std::optional<inspect::LogReader> log;
   };
 
   void AddChannel(recording::ChannelId id, const recording::McapChannel& channel,
                   std::uint64_t messages);
   void AddTick(const Reader& reader, const recording::McapMessage& message);
   void EndTicks();
+  void AddLine(const Reader& reader, const recording::McapMessage& message);
   void AddStatus(const Reader& reader, const recording::McapMessage& message);
   // Index in sessions_ and times_ of one that is numbered from 1 on.
   std::size_t IndexOf(std::size_t session) const;
@@ -106,6 +113,11 @@ class RecordedView {
   std::vector<std::vector<Times>> times_;        // the same, in order of the stamps
   std::vector<recording::SessionClock> clocks_;  // of each session
   RecordedParticipants participants_;
+  struct Line {
+    std::int64_t log_ns;
+    inspect::LogText line;
+  };
+  std::vector<Line> lines_;  // in the order of reception
 };
 
 // "session=2&topics=a,b&from_ns=0&to_ns=9", without a session the first. Throws UsageError naming

@@ -44,6 +44,15 @@ HttpReply AnswerCommand(const Routes& routes, const HttpRequest& request) {
   return Refuse(404, request.path + ": no such command");
 }
 
+HttpReply AnswerLog(const ShownLog* log, const HttpRequest& request) {
+  if (log == nullptr) return Refuse(404, "a recording has no live log");
+  try {
+    return {200, "application/json", log->After(request.query)};
+  } catch (const UsageError& error) {
+    return Refuse(400, error.what());
+  }
+}
+
 HttpReply AnswerRecording(const RecordedView* recorded, const HttpRequest& request) {
   if (recorded == nullptr) return Refuse(404, "no recording is shown");
   const std::string_view what = std::string_view(request.path).substr(kRecordingPath.size());
@@ -55,10 +64,13 @@ HttpReply AnswerRecording(const RecordedView* recorded, const HttpRequest& reque
     if (what == "/participants") {
       return {200, "application/json", recorded->ParticipantsAt(ParseMoment(request.query))};
     }
+    if (what == "/log") {
+      return {200, "application/json", recorded->LogAt(ParseMoment(request.query))};
+    }
   } catch (const UsageError& error) {
     return Refuse(400, error.what());
   }
-  return Refuse(404, request.path + ": a recording has /messages and /participants");
+  return Refuse(404, request.path + ": a recording has /messages, /participants and /log");
 }
 
 }  // namespace
@@ -87,6 +99,7 @@ HttpReply Routes::Answer(const HttpRequest& request) const {
     return status ? HttpReply{200, "application/json", status()}
                   : Refuse(404, "a recording has no status");
   }
+  if (request.path == "/api/log") return AnswerLog(log, request);
   if (request.path.starts_with(kRecordingPath)) return AnswerRecording(recorded, request);
   if (request.path == "/robot.urdf") {
     return robot == nullptr ? Refuse(404, "no URDF, expected --urdf")

@@ -7,6 +7,7 @@ import { test } from 'node:test';
 import { decode, getter, numberPaths, parseIdl } from '../../../tools/view/page/cdr.js';
 import { Connection } from '../../../tools/view/page/connection.js';
 import { Frames } from '../../../tools/view/page/frames.js';
+import { Log } from '../../../tools/view/page/log.js';
 import { buses, fill, participants } from '../../../tools/view/page/panels.js';
 import { Recording } from '../../../tools/view/page/recording.js';
 import { PlotData, Table } from '../../../tools/view/page/series.js';
@@ -475,6 +476,31 @@ test('the participants of a moment are asked for once', async () => {
   assert.equal(await recording.participants(), undefined);
   recording.at_s = 2;
   assert.deepEqual(await recording.participants(), [{ name: 'of 2 at 4000000000' }]);
+});
+
+test('the log is bounded, has its lines by level and participant, and begins anew with its server', () => {
+  const log = new Log();
+  const line = (level, name, text) => ({ time_ms: 0, level, name, text });
+  log.add({ last: 2, lines: [line('info', 'esn', 'a'), line('error', 'control', 'b')] });
+  assert.deepEqual(log.names(), ['control', 'esn']);
+  log.level = 'warning';
+  assert.deepEqual(log.shown().map((each) => each.text), ['b']);
+  log.level = 'info';
+  log.name = 'esn';
+  assert.deepEqual(log.shown().map((each) => each.text), ['a']);
+  log.name = '';
+  log.add({ last: 602, lines: Array.from({ length: 600 }, (_, i) => line('info', 'esn', `${i}`)) });
+  assert.equal(log.lines.length, 500);
+  assert.equal(log.lines.at(-1).text, '599');
+  log.add({ last: 1, lines: [] });
+  assert.deepEqual([log.last, log.lines.length], [0, 0]);
+  log.set([line('info', 'rls', 'c')]);
+  assert.equal(log.shown().length, 1);
+});
+
+test('the log of a moment is asked for beside the participants', async () => {
+  const { recording } = serveTwoSessions([]);
+  assert.equal(recording.log(), undefined, 'the recording has none');
 });
 
 // As much of the elements of the timeline as it uses.

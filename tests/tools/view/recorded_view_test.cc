@@ -18,6 +18,7 @@
 #include "tests/support/json_cdr.h"
 #include "tests/support/temporary_folder.h"
 #include "tools/view/routes.h"
+#include "tools/view/shown_log.h"
 
 namespace sinew::live {
 namespace {
@@ -323,6 +324,61 @@ TEST(RecordedView, StatusesThatDoNotFitTheirTypeAreNobody) {
   }
   const RecordedView view(path);
   EXPECT_EQ(view.ParticipantsAt({1, 0}), "[]");
+}
+
+// Two ticks, 1 s apart, and lines before, between and after them; the first has no session yet.
+TEST(RecordedView, TheLogIsThatOfTheMomentByItsReception) {
+  const testing::TemporaryFolder folder;
+  const std::filesystem::path path = folder.path() / "log.mcap";
+  {
+    SessionsFile file(path);
+    const auto ticks = file.AddWriter("joint_state", "sinew::msg::JointState");
+    const auto log = file.AddWriter("log", "sinew::msg::LogLine");
+    const auto line = [&](std::int64_t after_ns, const char* level, const char* text) {
+      file.Write(log, kReception_ns + after_ns,
+                 {{"level", level}, {"name", "control"}, {"text", text}, {"time_ns", 5}});
+    };
+    line(-kSecond_ns, "LOG_LEVEL_INFO", "starts");
+    file.Write(ticks, kReception_ns, {{"header", HeaderOf(7, 0, kFirstStart_ns)}});
+    line(kSecond_ns / 2, "LOG_LEVEL_WARNING", "late\x1b[2J");
+    file.Write(ticks, kReception_ns + kSecond_ns,
+               {{"header", HeaderOf(7, static_cast<int>(kSecond_ns / kTick_ns), kFirstStart_ns)}});
+    line(2 * kSecond_ns, "LOG_LEVEL_ERROR", "after the end");
+  }
+  const RecordedView view(path);
+  const Json first = Json::parse(view.LogAt({1, kFirstStart_ns}));
+  ASSERT_EQ(first.size(), 1u);
+  EXPECT_EQ(first[0]["text"], "starts");
+  EXPECT_EQ(first[0]["level"], "info");
+  EXPECT_EQ(first[0]["name"], "control");
+  EXPECT_EQ(first[0]["time_s"], 0.0);
+  const Json second = Json::parse(view.LogAt({1, kFirstStart_ns + kSecond_ns / 2}));
+  ASSERT_EQ(second.size(), 2u);
+  EXPECT_EQ(second[1]["text"], "late\\u001b[2J");
+  EXPECT_EQ(second[1]["time_s"], 1.0);
+  const Json last = Json::parse(view.LogAt({1, kFirstStart_ns + kSecond_ns}));
+  ASSERT_EQ(last.size(), 3u);
+  EXPECT_EQ(last[2]["text"], "after the end");
+  EXPECT_THROW(view.LogAt({2, 0}), UsageError);
+}
+
+TEST(ShownLog, GivesWhatCameAfterALineAndForgetsTheOldest) {
+  ShownLog log;
+  EXPECT_EQ(Json::parse(log.After("after=0")), Json({{"last", 0}, {"lines", Json::array()}}));
+  for (std::size_t line = 0; line < ShownLog::kMost + 2; ++line) {
+    log.Add({1'500'000'000, msg::LogLevel::kError, "esn", std::to_string(line)});
+  }
+  const Json all = Json::parse(log.After("after=0"));
+  EXPECT_EQ(all["last"], ShownLog::kMost + 2);
+  ASSERT_EQ(all["lines"].size(), ShownLog::kMost);
+  EXPECT_EQ(all["lines"][0]["text"], "2");
+  EXPECT_EQ(all["lines"][0]["time_ms"], 1500.0);
+  const Json newest = Json::parse(log.After("after=" + std::to_string(ShownLog::kMost + 1)));
+  ASSERT_EQ(newest["lines"].size(), 1u);
+  EXPECT_EQ(newest["lines"][0]["level"], "error");
+  for (const char* query : {"", "after=", "after=x", "after=1x", "before=1"}) {
+    EXPECT_THROW(log.After(query), UsageError) << query;
+  }
 }
 
 TEST(RecordedView, AnOlderStatusHasTheFieldsThatItHas) {

@@ -82,6 +82,18 @@ TEST(ViewRoutes, CommandsNeedPermissionAndArmingNeedsTheOption) {
   EXPECT_EQ(routes.Answer(put).status, 405u);
 }
 
+TEST(ViewRoutes, TheLogIsThatOfADomain) {
+  Routes routes;
+  EXPECT_EQ(routes.Answer(Get("/api/log")).status, 404u) << "a recording";
+  ShownLog log;
+  log.Add({0, msg::LogLevel::kWarning, "esn", "late"});
+  routes.log = &log;
+  HttpRequest request = Get("/api/log");
+  EXPECT_EQ(routes.Answer(request).status, 400u);
+  request.query = "after=0";
+  EXPECT_THAT(routes.Answer(request).body, HasSubstr("late"));
+}
+
 TEST(ViewRoutes, OnlyFilesThatTheUrdfNamesAreServed) {
   const testing::TemporaryFolder folder;
   std::filesystem::create_directories(folder.path() / "urdf");

@@ -3,6 +3,7 @@
 
 import { Connection } from './connection.js';
 import { Frames } from './frames.js';
+import { Log } from './log.js';
 import { Topics } from './topics.js';
 import { Plots } from './plots.js';
 import { Recording } from './recording.js';
@@ -39,6 +40,7 @@ const drawing = {
 };
 const want = (job) => frames.want(job);
 const plots = new Plots($('plots'), topics, () => want(drawing.plots));
+const log = new Log();
 const figures = { received: 0, message_ms: 0, began_ms: performance.now() };
 let info;
 let status;
@@ -190,7 +192,9 @@ function showTables() {
   arrange();
   panels.joints($('joints'), topics, names);
   panels.buses($('buses'), topics.newest('bus_status'));
-  if (recording) askParticipants();
+  if (recording) askMoment();
+  log.offer($('log_name'));
+  log.show($('log'));
   if (status) panels.participants($('participants'), status.participants);
   if (status && !recording) {
     panels.topics($('topics'), status.topics, topics);
@@ -216,6 +220,7 @@ function showStatus() {
 }
 
 async function readStatus() {
+  readLog();
   try {
     const reply = await fetch('/api/status', { headers: { 'X-Sinew-Token': token } });
     const next = await reply.json();
@@ -229,6 +234,15 @@ async function readStatus() {
   want(drawing.tables);
 }
 
+async function readLog() {
+  try {
+    const reply = await fetch(`/api/log?after=${log.last}`);
+    if (reply.ok) log.add(await reply.json());
+  } catch {
+    // The server does not answer, which the page says elsewhere.
+  }
+}
+
 async function showRecording(query) {
   const reply = await fetch('/api/recording');
   if (!reply.ok) throw new Error(await reply.text());
@@ -239,6 +253,7 @@ async function showRecording(query) {
   recording = new Recording(described, topics);
   $('facts').title = recording.file;
   $('participants_card').hidden = !recording.has_participants;
+  $('log_card').hidden = !recording.has_log;
   timeline = new Timeline(recording, $('timeline'), { on_move: moved, on_session: () => plots.restart() });
   const asked = query.get('session');
   const there = asked === null || (Number(asked) >= 1 && Number(asked) <= recording.sessions.length && Number.isInteger(Number(asked)));
@@ -273,12 +288,12 @@ async function refreshRecording() {
   }
 }
 
-async function askParticipants() {
+async function askMoment() {
   try {
-    const rows = await recording.participants();
-    if (!rows) return;
-    status = { participants: rows };
-    want(drawing.tables);
+    const [rows, lines] = await Promise.all([recording.participants(), recording.log()]);
+    if (rows) status = { participants: rows };
+    if (lines) log.set(lines);
+    if (rows || lines) want(drawing.tables);
   } catch (error) {
     say(error.message);
   }
@@ -327,6 +342,14 @@ async function start() {
   $('joint').addEventListener('change', () => {
     joint = Number($('joint').value);
     choose();
+  });
+  $('log_level').addEventListener('change', () => {
+    log.level = $('log_level').value;
+    want(drawing.tables);
+  });
+  $('log_name').addEventListener('change', () => {
+    log.name = $('log_name').value;
+    want(drawing.tables);
   });
   $('window').addEventListener('change', () => {
     plots.window_s = Number($('window').value);

@@ -13,10 +13,11 @@ export class Recording {
     this.file = info.file;
     this.sessions = info.sessions;
     this.names = info.topics.map((topic) => topic.topic);
+    this.has_log = info.topics.some((topic) => topic.topic === 'log' && topic.messages > 0);
     this.has_participants = info.topics.some((topic) => topic.topic === 'component_status' && topic.messages > 0);
     this.wanted = [];  // topics that are fetched
     this.busy = false;
-    this.asking = false;
+    this.asking = {};  // by what is asked for at a moment
     this.bytes = 0;
     this.select(1);
   }
@@ -31,7 +32,7 @@ export class Recording {
     this.at_s = 0;
     this.playing = false;
     this.loaded = undefined;  // {span: [from_s, to_s], names, buffer}
-    this.asked = undefined;
+    this.asked = {};
     this.moments = new Map();  // topic -> [{time_s, view}]
     this.topics.restart(undefined);
     for (const topic of this.topics.topics.values()) topic.received = 0;
@@ -113,17 +114,22 @@ export class Recording {
   }
 
   // Rows of the participants at the moment; undefined: they are those of the last call, or on their way.
-  async participants() {
+  participants() { return this.has_participants ? this.rowsAt('participants') : undefined; }
+
+  // Lines of the log until the moment, likewise.
+  log() { return this.has_log ? this.rowsAt('log') : undefined; }
+
+  async rowsAt(what) {
     const moment = `session=${this.session}&at_ns=${this.stamp(this.at_s)}`;
-    if (!this.has_participants || this.asking || moment === this.asked) return undefined;
-    this.asking = true;
-    this.asked = moment;
+    if (this.asking[what] || moment === this.asked[what]) return undefined;
+    this.asking[what] = true;
+    this.asked[what] = moment;
     try {
-      const reply = await fetch(`/api/recording/participants?${moment}`);
+      const reply = await fetch(`/api/recording/${what}?${moment}`);
       if (!reply.ok) throw new Error((await reply.text()).trim());
       return await reply.json();
     } finally {
-      this.asking = false;
+      this.asking[what] = false;
     }
   }
 }

@@ -44,7 +44,7 @@ export class Topics {
   signals() {
     const names = [];
     for (const [name, topic] of this.topics) {
-      if (name === 'component_status') continue;  // no row of its own for each tick
+      if (name === 'component_status' || name === 'log') continue;  // no row of its own for each tick
       for (const path of numberPaths(topic.type)) if (!path.startsWith('header.')) names.push(`${name}.${path}`);
     }
     return names;
