@@ -1,5 +1,5 @@
 // A warning of a participant that runs: in `sinew log`, to who comes later, and in a recording.
-// Domain 213.
+// Domains 213, 215.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "components/base/config/config.h"
 #include "components/topics/node/node.h"
 #include "tests/support/program.h"
 #include "tests/support/sinew_program.h"
@@ -73,6 +74,29 @@ TEST(Log, AWarningIsHeardLaterAndRecorded) {
   const Finished list = testing::Run({kSinew, "list", file});
   EXPECT_THAT(list.output, AllOf(HasSubstr("not shown without --all: "), HasSubstr("log")));
   EXPECT_THAT(testing::Run({kSinew, "log", file, "--last", "1"}).output, HasSubstr("\n"));
+}
+
+TEST(Log, OfAProgramWhoseProfilesAreOlderIsNotSentAndItRuns) {
+  std::string xml = config::ReadFile(SINEW_SOURCE_DIR "/components/topics/node/qos_profiles.xml");
+  const std::string profile = "profile_name=\"lockstep\"";
+  for (std::size_t at; (at = xml.find(profile)) != std::string::npos;) {
+    xml.replace(at, profile.size(), "profile_name=\"other\"");
+  }
+  const TemporaryFolder folder;
+  const std::string bin = std::string(SINEW_BIN_DIR) + "/", qos = folder.Write("qos.xml", xml);
+  Program surrogate({bin + "sinew-surrogate", "--domain", "215", "--qos", qos});
+  Program logger(
+      {bin + "sinew-logger", "--domain", "215", "--qos", qos, "--out", folder.path() / "run.mcap"});
+  for (Program* program : {&surrogate, &logger}) {
+    EXPECT_TRUE(
+        program->WaitForText("the log is not sent: no writer QoS profile 'lockstep'", kLogLimit))
+        << program->error();
+  }
+  EXPECT_TRUE(logger.WaitForText("the log of others is not read: ", kLogLimit)) << logger.error();
+  for (Program* program : {&logger, &surrogate}) {
+    program->Signal(SIGINT);
+    EXPECT_EQ(program->Wait(kLogLimit), 0) << program->error();
+  }
 }
 
 }  // namespace

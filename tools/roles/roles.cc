@@ -41,7 +41,7 @@ const std::vector<Role>& Roles() {
       {"experiment",
        "requests of experiments, and disturbances of a simulation",
        {"experiments", "sinew-body-disturbance"}},
-      {"observer", "list, echo, hz, graph, doctor, record: its own status and log and nothing else", {}},
+      {"observer", "list, echo, log, hz, graph, doctor, record: its status and log alone", {}},
       {"logger", "the logger", {"logger"}},
       {"player", "a recording again: every topic that cannot move a robot", {}},
   };

@@ -258,7 +258,8 @@ Summaries OfDomain(const HzOptions& options, const node::StopFlag& stop) {
       const std::lock_guard lock(meters->mutex);
       const std::uint64_t number = ++meters->samples[sample.writer];
       ApplyProfile(topic, number, &arrival);
-      if (lockstep && number <= kLockstepDepth && sample.source_stamp_ns < begin_ns) {
+      const bool keeps = lockstep || topic->name == node::kLog.name;  // for late readers
+      if (keeps && number <= kLockstepDepth && sample.source_stamp_ns < begin_ns) {
         arrival.from_history = true;
       }
       meters->by_topic[topic->name].Add(arrival);

@@ -228,7 +228,7 @@ void AddLogCommand(CLI::App& app) {
   command->footer(
       "A line has the time (of the clock; of recordings in seconds from their start), level, "
       "participant and text.\nParticipants send lines from level info on; each keeps its last 256 "
-      "for who comes later.\n\nExamples:\n"
+      "for later readers.\n\nExamples:\n"
       "  sinew log\n"
       "  sinew log --once --level warn\n"
       "  sinew log --process control --process esn\n"

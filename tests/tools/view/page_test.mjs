@@ -483,12 +483,11 @@ test('the log is bounded, has its lines by level and participant, and begins ane
   const line = (level, name, text) => ({ time_ms: 0, level, name, text });
   log.add({ last: 2, lines: [line('info', 'esn', 'a'), line('error', 'control', 'b')] });
   assert.deepEqual(log.names(), ['control', 'esn']);
-  log.level = 'warning';
+  log.choose('warning', '');
   assert.deepEqual(log.shown().map((each) => each.text), ['b']);
-  log.level = 'info';
-  log.name = 'esn';
+  log.choose('info', 'esn');
   assert.deepEqual(log.shown().map((each) => each.text), ['a']);
-  log.name = '';
+  log.choose('info', '');
   log.add({ last: 602, lines: Array.from({ length: 600 }, (_, i) => line('info', 'esn', `${i}`)) });
   assert.equal(log.lines.length, 500);
   assert.equal(log.lines.at(-1).text, '599');

@@ -22,18 +22,23 @@ export class Log {
     this.last = 0;  // number of the newest line of a server
     this.level = LEVELS[0];
     this.name = '';  // all
+    this.changed = true;
   }
 
-  // Reply of /api/log: what came since. A server that was started again begins anew.
+  choose(level, name) { Object.assign(this, { level, name, changed: true }); }
+
+  // Reply of /api/log: what came since; true: something did. A server that was started again begins anew.
   add({ last, lines }) {
     if (last < this.last) this.lines = [];
     else this.lines.push(...lines);
     this.last = last < this.last ? 0 : last;
     this.lines.splice(0, Math.max(this.lines.length - MOST, 0));
+    this.changed ||= lines.length > 0 || this.last === 0;
+    return this.changed;
   }
 
   // All lines of a moment.
-  set(lines) { this.lines = lines; }
+  set(lines) { Object.assign(this, { lines, changed: true }); }
 
   names() { return [...new Set(this.lines.map((line) => line.name))].sort(); }
 
@@ -42,8 +47,11 @@ export class Log {
     return this.lines.filter((line) => LEVELS.indexOf(line.level) >= least && (!this.name || line.name === this.name));
   }
 
-  // Lines into the table; who reads older ones is not moved away.
-  show(table) {
+  // What has changed into the table and the choice of participants. A reader of older lines is not moved away.
+  show(table, select) {
+    if (!this.changed) return;
+    this.changed = false;
+    this.offer(select);
     const scroll = table.parentElement;
     const at_end = scroll.scrollTop + scroll.clientHeight >= scroll.scrollHeight - BOTTOM_PX;
     fill(table, ['time', 'level', 'participant', 'text'], this.shown().map((line) => [

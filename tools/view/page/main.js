@@ -193,8 +193,7 @@ function showTables() {
   panels.joints($('joints'), topics, names);
   panels.buses($('buses'), topics.newest('bus_status'));
   if (recording) askMoment();
-  log.offer($('log_name'));
-  log.show($('log'));
+  log.show($('log'), $('log_name'));
   if (status) panels.participants($('participants'), status.participants);
   if (status && !recording) {
     panels.topics($('topics'), status.topics, topics);
@@ -236,8 +235,8 @@ async function readStatus() {
 
 async function readLog() {
   try {
-    const reply = await fetch(`/api/log?after=${log.last}`);
-    if (reply.ok) log.add(await reply.json());
+    const reply = await fetch(`/api/log?after=${log.last}`, { headers: { 'X-Sinew-Token': token } });
+    if (reply.ok && log.add(await reply.json())) want(drawing.tables);
   } catch {
     // The server does not answer, which the page says elsewhere.
   }
@@ -343,14 +342,12 @@ async function start() {
     joint = Number($('joint').value);
     choose();
   });
-  $('log_level').addEventListener('change', () => {
-    log.level = $('log_level').value;
-    want(drawing.tables);
-  });
-  $('log_name').addEventListener('change', () => {
-    log.name = $('log_name').value;
-    want(drawing.tables);
-  });
+  for (const id of ['log_level', 'log_name']) {
+    $(id).addEventListener('change', () => {
+      log.choose($('log_level').value, $('log_name').value);
+      want(drawing.tables);
+    });
+  }
   $('window').addEventListener('change', () => {
     plots.window_s = Number($('window').value);
     plots.zoom();
