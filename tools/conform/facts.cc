@@ -1,27 +1,11 @@
 #include "tools/conform/facts.h"
 
-#include <sinew_idl/actuator.h>
-#include <sinew_idl/bus.h>
-#include <sinew_idl/estop.h>
-#include <sinew_idl/joint.h>
-#include <sinew_idl/learning.h>
-#include <sinew_idl/operator.h>
-#include <sinew_idl/performance.h>
-#include <sinew_idl/pneumatics.h>
-#include <sinew_idl/recording.h>
-#include <sinew_idl/reference.h>
-#include <sinew_idl/regime.h>
-#include <sinew_idl/residual.h>
-#include <sinew_idl/sensors.h>
-#include <sinew_idl/simulation.h>
-#include <sinew_idl/snapshot.h>
-#include <sinew_idl/status.h>
-
 #include <algorithm>
 #include <cmath>
 #include <initializer_list>
 
 #include "components/base/types/joints.h"
+#include "components/topics/node/all_messages.h"
 #include "components/topics/node/topics.h"
 
 namespace sinew::conform {

@@ -50,7 +50,7 @@ struct LogOptions {
   double from_s = -std::numeric_limits<double>::infinity();
   double to_s = std::numeric_limits<double>::infinity();
   double wait_s = 2.0;
-  bool once = false, follow = false;
+  bool once = false;
 };
 
 bool IsWanted(const LogText& line, const LogOptions& options) {
@@ -212,13 +212,10 @@ void AddLogCommand(CLI::App& app) {
   CLI::Option* files = command->add_option("recordings", options->files,
                                            "Recordings, FILE.mcap; without any, the domain");
   AddChoice(*command, options.get());
-  CLI::Option* once =
-      command->add_flag("--once", options->once, "End after the recent lines")->excludes(files);
   command
-      ->add_flag("--follow", options->follow,
-                 "After the recent lines go on until Ctrl-C (the default without recordings)")
-      ->excludes(files)
-      ->excludes(once);
+      ->add_flag("--once", options->once,
+                 "End after the recent lines, instead of going on until Ctrl-C")
+      ->excludes(files);
   command->add_option("--wait", options->wait_s, "Seconds in which recent lines are gathered")
       ->check(node::IsTime(node::Zero::kAllowed))
       ->capture_default_str();

@@ -170,6 +170,12 @@ struct Begin {
 constexpr std::pair<char, const char*> kDelimiters[] = {
     {',', "comma"}, {';', "semicolon"}, {'\t', "tab"}, {' ', "space"}};
 
+[[noreturn]] void FailOnDelimiter(const std::string& at, const char* word) {
+  throw std::invalid_argument(
+      at + "the columns stand apart by another delimiter, add 'delimiter: " + word +
+      "' to the mapping");
+}
+
 // Why no line is the header that was looked for; returns where another delimiter would find none
 // either.
 void CheckDelimiter(Lines lines, const Begin& first, const std::string& name,
@@ -180,11 +186,20 @@ void CheckDelimiter(Lines lines, const Begin& first, const std::string& name,
     for (const auto& [delimiter, word] : kDelimiters) {
       if (delimiter == ' ' && Lines::IsComment(line)) continue;  // prose
       if (delimiter == first.delimiter || !HasAll(NamesIn(line, delimiter), columns)) continue;
-      throw std::invalid_argument(At(name, lines.number()) +
-                                  "the columns stand apart by another delimiter, add 'delimiter: " +
-                                  word + "' to the mapping");
+      FailOnDelimiter(At(name, lines.number()), word);
     }
   }
+}
+
+// Why a row has another number of cells than the header.
+[[noreturn]] void FailOnCells(const std::string& at, std::string_view line, std::size_t cells,
+                              const Begin& begin) {
+  for (const auto& [delimiter, word] : kDelimiters) {
+    if (delimiter == begin.delimiter || begin.header.size() < 2) continue;
+    if (NamesIn(line, delimiter).size() == begin.header.size()) FailOnDelimiter(at, word);
+  }
+  throw std::invalid_argument(at + "the row has " + std::to_string(cells) + " cells, expected " +
+                              std::to_string(begin.header.size()) + " as in the header");
 }
 
 Begin FindBegin(std::string_view text, const std::string& name,
@@ -337,9 +352,7 @@ CsvTable ReadCsv(std::string_view text, const std::string& name,
     }
     if (cells.size() == header.size() + 1 && cells.back().empty()) cells.pop_back();
     if (cells.size() != header.size()) {
-      throw std::invalid_argument(At(name, lines.number()) + "the row has " +
-                                  std::to_string(cells.size()) + " cells, expected " +
-                                  std::to_string(header.size()) + " as in the header");
+      FailOnCells(At(name, lines.number()), line, cells.size(), begin);
     }
     for (std::size_t i = 0; i < indices.size(); ++i) {
       values[i].push_back(numbers.Number(cells[indices[i]], lines.number(), columns[i], i < times));

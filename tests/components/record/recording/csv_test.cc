@@ -21,10 +21,10 @@ signals:
   motor_current: {column: current, unit: A, scale: 0.5, offset: 1}
 )";
 
-std::string CsvError(const std::string& text,
-                     const std::vector<std::string>& columns = {"a", "b"}) {
+std::string CsvError(const std::string& text, const std::vector<std::string>& columns = {"a", "b"},
+                     const CsvFormat& format = {}) {
   try {
-    ReadCsv(text, "data.csv", columns);
+    ReadCsv(text, "data.csv", columns, format);
   } catch (const std::invalid_argument& error) {
     return error.what();
   }
@@ -184,6 +184,11 @@ TEST(Csv, SaysWhichDelimiterOrHeaderIsMissing) {
   EXPECT_EQ(CsvError("x\na;b\n1;2\n"),
             "data.csv:2: the columns stand apart by another delimiter, add 'delimiter: semicolon' "
             "to the mapping");
+  CsvFormat named;
+  named.header = {"a", "b"};
+  EXPECT_EQ(CsvError("1\t2\n", {"a"}, named),
+            "data.csv:1: the columns stand apart by another delimiter, add 'delimiter: tab' to the "
+            "mapping");
   EXPECT_EQ(CsvError("1,2\n3,4\n"),
             "data.csv:1: numbers, expected a header line with column names; where a file has "
             "none, 'header: [NAME, ...]' in the mapping names its columns");
