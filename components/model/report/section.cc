@@ -228,6 +228,7 @@ std::string FormatHtml(const Page& page) {
   if (!page.figures.empty()) out += "</div>\n";
   out += Contents(page);
   for (const Section& section : page.sections) out += FormatSection(section);
+  if (!page.made.empty()) out += "<h2>How it was made</h2>\n<p>" + Escape(page.made) + "</p>\n";
   out += "</main>";
   if (std::any_of(page.sections.begin(), page.sections.end(), IsDrawnByThePage)) {
     out += std::string("<style>") + kPlotStyle + "</style><script type=\"module\">" + kPlotScript +
