@@ -55,8 +55,9 @@ void CheckData(const CheckDataOptions& options) {
   const std::string json = types::JsonText(report::CheckJson(check), 2) + "\n";
   const std::filesystem::path& out = options.out;
   if (!out.empty()) {
-    const std::string html = report::DrawnHtml(
-        report::MakeCheckPage(check, report::MakePictures(check.gate, runs, joint)));
+    report::Page page = report::MakeCheckPage(check, report::MakePictures(check.gate, runs, joint));
+    page.made = Made();
+    const std::string html = report::DrawnHtml(std::move(page));
     std::error_code error;
     std::filesystem::create_directories(out, error);
     if (error) throw UsageError(out.string() + ": " + error.message() + ", expected a folder");

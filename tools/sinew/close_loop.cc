@@ -3,13 +3,18 @@
 #include <malloc.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <climits>
 #include <iostream>
 #include <memory>
 
+#include "components/base/config/config.h"
+#include "components/base/types/clock/utc.h"
 #include "components/model/close_loop/close_loop.h"
 #include "components/model/gate/rules.h"
 #include "components/model/trace/rules.h"
+#include "components/topics/node/host_name.h"
+#include "components/topics/node/version.h"
 #include "sim/plant/joint_body.h"
 #include "tools/sinew/print_section.h"
 #include "tools/sinew/progress.h"
@@ -46,7 +51,7 @@ void Execute(close_loop::Options options, const std::filesystem::path& out, bool
     bar.Update(static_cast<std::uint64_t>(100.0 * share));
   };
   const close_loop::Result result = close_loop::CloseLoop(options);
-  close_loop::Write(result, out);
+  close_loop::Write(result, out, Made());
   bar.Finish();
   if (json) {
     std::cout << result.json;
@@ -107,6 +112,13 @@ void AddSearchOptions(close_loop::Options* options, CLI::App* command) {
 }  // namespace
 
 std::vector<std::string> FaultNames() { return IdsOf(gate::Rules()); }
+
+std::string Made() {
+  std::string words = config::ReadFile("/proc/self/cmdline", 1 << 20);
+  while (!words.empty() && words.back() == '\0') words.pop_back();
+  std::replace(words.begin(), words.end(), '\0', ' ');
+  return types::UtcNow() + " on " + node::HostName() + ", sinew " + node::kVersion + ": " + words;
+}
 
 void AddCloseLoopCommand(CLI::App& app) {
   struct Arguments {

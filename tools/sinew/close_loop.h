@@ -12,6 +12,8 @@ namespace sinew::tools {
 
 // Values of --accept-fault, here and in check-data.
 std::vector<std::string> FaultNames();
+// When, where and by which command a page is made, for its end.
+std::string Made();
 
 void AddCloseLoopCommand(CLI::App& app);
 

@@ -17,7 +17,7 @@ import diagram
 # Groups of the navigation: title, and expressions for its documents, in this order. A document is in the first that
 # matches it; the rest of a folder is matched as a whole, so that a new document has a place.
 GROUPS = (
-    ("Start", ("README.md", "docs/tutorial.md", "docs/glossary.md", "ARCHITECTURE.md", "CHANGELOG.md")),
+    ("Start", ("README.md", "docs/first-bench.md", "docs/tutorial.md", "docs/glossary.md", "ARCHITECTURE.md", "CHANGELOG.md")),
     ("How to", ("docs/how-to/.*",)),
     ("Robot", ("docs/bring-up.md", "docs/safety.md", "docs/participants/.*", "idl/.*")),
     ("Data and models", ("docs/closing-the-loop.md", "docs/data-gate.md", "docs/model.md", "docs/experiments.md",

@@ -57,12 +57,15 @@ Result CloseLoop(const Options& options) try {
   throw UsageError(error.what());
 }
 
-void Write(const Result& result, const fs::path& folder) {
+void Write(const Result& result, const fs::path& folder, const std::string& made) {
   std::vector<Result::Part> parts = result.parts;
   parts.push_back({"", result.page, result.json});
   std::vector<std::string> pages;
   pages.reserve(parts.size());
-  for (const Result::Part& part : parts) pages.push_back(report::DrawnHtml(part.page));
+  for (Result::Part& part : parts) {
+    part.page.made = made;
+    pages.push_back(report::DrawnHtml(part.page));
+  }
   for (std::size_t i = 0; i < parts.size(); ++i) {
     const fs::path at = folder / parts[i].folder;
     std::error_code error;

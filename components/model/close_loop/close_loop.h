@@ -60,7 +60,8 @@ struct Result {
 Result CloseLoop(const Options& options);
 
 // Draws the pages and writes report.html, report.json and, when a fit was made, model.yaml, each as
-// a whole. Throws UsageError for a folder that cannot be made.
-void Write(const Result& result, const std::filesystem::path& folder);
+// a whole. made: when, where and by which command, for the end of the pages. Throws UsageError for
+// a folder that cannot be made.
+void Write(const Result& result, const std::filesystem::path& folder, const std::string& made = "");
 
 }  // namespace sinew::close_loop

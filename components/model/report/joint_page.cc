@@ -24,8 +24,9 @@ Section EffectSection(const trace::TraceResult& trace,
       caption);
   for (const trace::FoundEffect& effect : effects) {
     const std::string why = RefusalText(effect);
-    out.Add({EffectLabel(trace, effect) + "\n" + EffectTitle(effect.name), SizesText(trace, effect),
-             Percent(effect.gain_share),
+    const effects::EffectInfo info = effects::MakeEffect(effect.name, {})->info();
+    out.Add({EffectLabel(trace, effect) + "\n" + info.title + "\n" + info.formula,
+             SizesText(trace, effect), Percent(effect.gain_share),
              ConfirmedText(effect.confirmation) + (why.empty() ? "" : "\n" + why),
              ErrorText(effect.held_out_before) + " -> " + ErrorText(effect.held_out_after) + " " +
                  ErrorUnit(trace, effect.balance),
@@ -285,12 +286,15 @@ Page MakePage(const Report& report, std::vector<Picture> pictures) {
   AddFigures(report, &page);
   if (trace.rows > 0) data.paragraphs = {RowsText(trace)};
   page.sections = {
-      ErrorSection(report),
       EffectSection(trace, trace.effects, "Effects found",
                     "p of the whole search: " + GlobalP(trace) +
-                        ". In the model, the one that training misses most first."),
+                        ". In the model, the one that training misses most first. Simulation, "
+                        "controllers and sinew-residual load model.yaml as it is; `sinew verify "
+                        "--model model.yaml --before " +
+                        report.model_file + "` simulates both beside a recording."),
       EventSection(trace),
       next,
+      ErrorSection(report),
       EffectSection(trace, trace.open, "Open",
                     "Supported by the training recordings, but too little speaks for the names. "
                     "Not in the model."),
@@ -308,6 +312,7 @@ Page MakePage(const Report& report, std::vector<Picture> pictures) {
       UnexplainedSection(trace),
       faults,
       data,
+      RecordingsSection(report.train, report.held_out),
       MethodSection(report)};
   return page;
 }

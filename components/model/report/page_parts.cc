@@ -7,11 +7,13 @@ namespace sinew::report {
 Section RecordingsSection(const std::vector<Recording>& train,
                           const std::vector<Recording>& held_out) {
   Section out =
-      TableSection("The recordings", {"recording", "used for", "rows", "duration, s"}, "", true);
+      TableSection("The recordings", {"recording", "used for", "rows", "duration, s", "content"},
+                   "Content: the hash of its samples, the same for the same ones.", true);
   for (const auto* list : {&train, &held_out}) {
     for (const Recording& recording : *list) {
       out.Add({recording.name, list == &train ? "training" : "held out",
-               std::to_string(recording.rows), Short(recording.duration_s)});
+               std::to_string(recording.rows), Short(recording.duration_s),
+               recording.content_hash});
     }
   }
   return out;

@@ -1,18 +1,11 @@
 // A picture of a page, and the style that all of them share. Pure text.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
 namespace sinew::report {
-
-// One picture as a gnuplot script that prints SVG; numbers stand in the script, photographs in PNG
-// files that it names.
-struct Picture {
-  std::string title;
-  std::string caption;
-  std::string script;
-};
 
 // Colours: what was measured, the model before and after, and up to four further series.
 inline constexpr const char* kMeasuredColour = "#4d4d4d";
@@ -34,6 +27,23 @@ struct Panel {
   std::string label;  // of its y axis
   std::vector<Series> series;
   std::string y_range = "*:*";  // gnuplot's
+};
+
+// Lines over one x, which the page draws where scripts run: zoom shows what a picture cannot.
+struct Traces {
+  std::string x_label;
+  std::vector<double> x;        // ascending
+  std::vector<Panel> panels;    // series without an x of their own, of as many y
+  double from = 0.0, to = 0.0;  // of x, shown at first
+};
+
+// One picture as a gnuplot script that prints SVG; numbers stand in the script, photographs in PNG
+// files that it names.
+struct Picture {
+  std::string title;
+  std::string caption;
+  std::string script;
+  std::optional<Traces> traces{};  // what the page draws in place of it
 };
 
 // Panels of that height under each other, over the same x.

@@ -103,6 +103,46 @@ void AddPoint(double x, double before, double after, std::vector<Series>* both) 
 
 constexpr double kGapInLine = std::numeric_limits<double>::quiet_NaN();
 
+// Measured, both models and their residuals over the whole of the held-out recordings, which follow
+// each other a second apart; shown at first from row `first` on.
+Traces WholeRecording(const Report& report, const Design& held_out, const Eigen::VectorXd& torque,
+                      Eigen::Index first, double window_s) {
+  const identify::Rows& rows = held_out.rows();
+  const trace::TraceResult& trace = report.trace;
+  const std::string unit = TorqueUnit(trace.corrected.kind);
+  Traces out = {.x_label = "time from the start, s"};
+  Panel drive = {"drive, " + unit, {{"measured", kMeasuredColour}}};
+  Panel residual = {"residual, " + unit, {}};
+  for (Panel* panel : {&drive, &residual}) {
+    for (Series& model : BothModels(report, "")) panel->series.push_back(std::move(model));
+  }
+  double offset = -rows.time_s[0];
+  for (Eigen::Index i = 0; i < rows.size(); ++i) {
+    const bool begins = i > 0 && rows.segment[static_cast<std::size_t>(i)] !=
+                                     rows.segment[static_cast<std::size_t>(i - 1)];
+    if (begins) {
+      if (rows.time_s[i] <= rows.time_s[i - 1]) offset += 1.0 + rows.time_s[i - 1] - rows.time_s[i];
+      out.x.push_back(0.5 * (out.x.back() + rows.time_s[i] + offset));
+      for (Panel* panel : {&drive, &residual}) {
+        for (Series& series : panel->series) series.y.push_back(kGapInLine);
+      }
+    }
+    out.x.push_back(rows.time_s[i] + offset);
+    if (i == first) out.from = out.x.back();
+    const double unused = rows.used[static_cast<std::size_t>(i)] ? 0.0 : kGapInLine;
+    drive.series[0].y.push_back(torque[i]);
+    const double left[] = {trace.before_held_out.residual[i] + unused,
+                           trace.after_held_out.residual[i] + unused};
+    for (std::size_t k = 0; k < residual.series.size(); ++k) {
+      residual.series[k].y.push_back(left[k]);
+      drive.series[k + 1].y.push_back(torque[i] - left[k]);
+    }
+  }
+  out.to = out.from + window_s;
+  out.panels = {std::move(drive), std::move(residual)};
+  return out;
+}
+
 Picture MeasuredAgainstModel(const Report& report, const Design& held_out,
                              const Eigen::VectorXd& torque) {
   const identify::Rows& rows = held_out.rows();
@@ -122,11 +162,13 @@ Picture MeasuredAgainstModel(const Report& report, const Design& held_out,
              torque[i] - trace.after_held_out.residual[i] + unused, &models);
   }
   models.insert(models.begin(), std::move(measured));
-  return Chart("Measured against model, held-out recordings",
-               "Drive torque at the output, busiest " + Short(window_s) +
-                   " s. Gaps in the model: rest and reversals, which are excluded.",
-               "time from the start, s", 244,
-               {{"drive, " + TorqueUnit(trace.corrected.kind), std::move(models)}});
+  Picture out = Chart("Measured against model, held-out recordings",
+                      "Drive torque at the output, at first the busiest " + Short(window_s) +
+                          " s. Gaps in the model: rest and reversals, which are excluded.",
+                      "time from the start, s", 244,
+                      {{"drive, " + TorqueUnit(trace.corrected.kind), std::move(models)}});
+  out.traces = WholeRecording(report, held_out, torque, first, window_s);
+  return out;
 }
 
 Picture ResidualOverTime(const Report& report, const Design& held_out) {

@@ -1,31 +1,16 @@
 #include "components/model/report/section.h"
 
+#include <algorithm>
+#include <array>
+#include <cmath>
 #include <stdexcept>
 
 #include "components/base/types/printable.h"
+#include "components/model/report/page_assets.h"
 
 namespace sinew::report {
 
 namespace {
-
-constexpr const char* kStyle = R"(
-:root{--ink:#1f2933;--soft:#5f6b76;--line:#e1e5e9;--accent:#1b7f9e}
-body{font:15px/1.5 "DejaVu Sans","Segoe UI",system-ui,sans-serif;color:var(--ink);margin:0;background:#f5f6f8}
-main{max-width:960px;margin:0 auto;padding:28px 20px 60px}
-h1{font-size:21px;margin:0 0 4px}h2{font-size:16px;margin:34px 0 8px}
-.verdict{background:#fff;border-left:6px solid var(--accent);padding:16px 20px;margin:14px 0 18px;font-size:17px}
-.verdict.none,.verdict.nothing,.verdict.ok{border-color:#7a9a5b}.verdict.unexplained,.verdict.open,.verdict.training_only,.verdict.not_detectable,.verdict.data_fault,.verdict.too_little_data{border-color:#d95f02}
-.meta,.caption{color:var(--soft);font-size:13px}.caption{margin:2px 0 0}
-figure{background:#fff;margin:18px 0;padding:14px 16px 12px}figure h3{font-size:14px;margin:0 0 4px}
-figure svg{width:100%;height:auto;display:block}
-table{border-collapse:collapse;width:100%;background:#fff;font-size:13.5px}
-th,td{padding:6px 10px;border-bottom:1px solid var(--line);text-align:left;vertical-align:top}
-th{font-weight:600;color:var(--soft);font-size:12.5px}td.n,th.n{text-align:right;font-variant-numeric:tabular-nums}
-ul{margin:6px 0;padding-left:20px}.big{display:flex;gap:14px;flex-wrap:wrap;margin:0 0 18px}
-.big div{background:#fff;padding:12px 18px;flex:1 1 190px}.big b{display:block;font-size:20px}
-.big span{color:var(--soft);font-size:12.5px}code{font-size:12.5px}
-.wide{overflow-x:auto}.wide+.wide{margin-top:14px}h3{font-size:14px;margin:18px 0 6px}.met{color:#4c7a2f}.missed{color:#b5402a;font-weight:600}
-)";
 
 constexpr const char* kDash = "&ndash;";
 
@@ -55,6 +40,94 @@ std::vector<std::string> Cells(const std::vector<std::string>& texts) {
   std::vector<std::string> out;
   out.reserve(texts.size());
   for (const std::string& text : texts) out.push_back(OrDash(text));
+  return out;
+}
+
+// Words of the tables' heads, in the words of docs/glossary.md.
+struct Word {
+  std::string_view word, meaning;
+};
+constexpr std::array kWords = {
+    Word{"declared", "the model file as it was given"},
+    Word{"refitted", "the declared terms fitted to the training recordings, nothing added"},
+    Word{"corrected", "the declared terms and the effects that were found, fitted together"},
+    Word{"held out", "a recording that took no part in search and fit"},
+    Word{"held-out recordings",
+         "on the recordings that took no part: confirmed, open or refuted, and the slope of their "
+         "residual on what the effect predicts, 1 where the size is the same"},
+    Word{"removes in training", "by how much the effect lowers the error of training"},
+    Word{"rms", "root of the mean square over the rows that are used"},
+    Word{"size, 95 %", "fitted size, with the interval that holds the true one in 95 of 100 cases"},
+    Word{"p", "probability of the name, if the cause is one of the catalogue"},
+    Word{"sigma", "shift of the fitted value over its standard deviation"},
+    Word{"tolerance", "how far from the declared value the model file expects the true one"},
+    Word{"smallest detectable size", "an effect of this size would have been found in most cases"},
+    Word{"share of the measured side", "of the drive's torque, root of mean squares"},
+    Word{"statistic", "the number that the rule compares with its limit"},
+};
+
+// A row of heads; those that are in the list say what they mean.
+std::string Heads(const std::vector<std::string>& texts) {
+  std::vector<std::string> cells = Cells(texts);
+  for (std::size_t k = 0; k < texts.size(); ++k) {
+    const auto* const found = std::find_if(kWords.begin(), kWords.end(),
+                                           [&](const Word& each) { return each.word == texts[k]; });
+    if (found == kWords.end()) continue;
+    cells[k] = "<abbr tabindex=\"0\" title=\"" + Escape(std::string(found->meaning)) + "\">" +
+               cells[k] + "</abbr>";
+  }
+  return Row(cells, "th");
+}
+
+std::string Numbers(const std::vector<double>& values, const char* format) {
+  std::string out;
+  for (const double value : values) {
+    out += std::isfinite(value) ? std::string(Text(format, value)) : "-";
+    out += ' ';
+  }
+  return out;
+}
+
+// The numbers of a picture, for the script of the page.
+std::string FormatTraces(const Traces& traces) {
+  const auto list = [](const std::string& attributes, const std::string& numbers) {
+    return "<script type=\"text/plain\"" + attributes + ">" + numbers + "</script>\n";
+  };
+  std::string out = "<div class=\"chart\" data-x=\"" + Escape(traces.x_label) +
+                    Text("\" data-from=\"%.7g\" data-to=\"%.7g\">\n", traces.from, traces.to) +
+                    list("", Numbers(traces.x, "%.7g"));
+  for (const Panel& panel : traces.panels) {
+    for (const Series& series : panel.series) {
+      out += list(" data-panel=\"" + Escape(panel.label) + "\" data-name=\"" + Escape(series.name) +
+                      "\" data-colour=\"" + Escape(series.colour) + "\"",
+                  Numbers(series.y, "%.5g"));
+    }
+  }
+  return out + "</div>\n";
+}
+
+bool IsDrawnByThePage(const Section& section) {
+  return std::any_of(section.pictures.begin(), section.pictures.end(),
+                     [](const Picture& picture) { return picture.traces.has_value(); });
+}
+
+// Links to the sections that have a title and something in them.
+std::string Contents(const Page& page) {
+  std::string out;
+  for (const Section& section : page.sections) {
+    if (section.title.empty() || FormatSection(section).empty()) continue;
+    out += "<a href=\"#" + Anchor(section) + "\">" + Escape(section.title) + "</a> ";
+  }
+  return out.empty() ? "" : "<nav>" + out + "</nav>\n";
+}
+
+// Its id, else its title as one.
+std::string Anchor(const Section& section) {
+  if (!section.id.empty()) return section.id;
+  std::string out = section.title;
+  for (char& c : out) {
+    if (std::isalnum(static_cast<unsigned char>(c)) == 0) c = '-';
+  }
   return out;
 }
 
@@ -115,7 +188,7 @@ std::string Escape(const std::string& text) { return types::Entities(types::Utf8
 std::string HtmlHead(const std::string& title) {
   return "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">"
          "<meta name=\"viewport\" content=\"width=device-width\"><title>" +
-         Escape(title) + "</title><style>" + kStyle + "</style></head><body><main>\n";
+         Escape(title) + "</title><style>" + kPageStyle + "</style></head><body><main>\n";
 }
 
 std::string FormatSection(const Section& section) {
@@ -127,19 +200,20 @@ std::string FormatSection(const Section& section) {
   for (const Table& table : section.tables) {
     if (table.rows.empty()) continue;
     if (!table.title.empty()) out += "<h3>" + Escape(table.title) + "</h3>\n";
-    out += "<div class=\"wide\"><table>" + Row(Cells(table.header), "th");
+    out += "<div class=\"wide\"><table>" + Heads(table.header);
     for (const auto& row : table.rows) out += Row(Cells(row));
     out += "</table></div>\n";
     if (!table.caption.empty()) out += Caption(table.caption) + "\n";
   }
   for (std::size_t i = 0; i < section.pictures.size() && i < section.svgs.size(); ++i) {
-    out += "<figure><h3>" + Escape(section.pictures[i].title) + "</h3>" + section.svgs[i] +
-           Caption(section.pictures[i].caption) + "</figure>\n";
+    const Picture& picture = section.pictures[i];
+    out += "<figure><h3>" + Escape(picture.title) + "</h3>" +
+           (picture.traces ? FormatTraces(*picture.traces) : "") + section.svgs[i] +
+           Caption(picture.caption) + "</figure>\n";
   }
   if (section.seconds > 0.0) out += Caption(Text("It took %.1f s.", section.seconds)) + "\n";
   if (out.empty() || section.title.empty()) return out;
-  const std::string anchor = section.id.empty() ? "" : " id=\"" + section.id + "\"";
-  return "<h2" + anchor + ">" + Escape(section.title) + "</h2>\n" + out;
+  return "<h2 id=\"" + Anchor(section) + "\">" + Escape(section.title) + "</h2>\n" + out;
 }
 
 std::string FormatHtml(const Page& page) {
@@ -152,8 +226,15 @@ std::string FormatHtml(const Page& page) {
     out += "<div><b>" + Escape(value) + "</b><span>" + Escape(what) + "</span></div>\n";
   }
   if (!page.figures.empty()) out += "</div>\n";
+  out += Contents(page);
   for (const Section& section : page.sections) out += FormatSection(section);
-  return out + "</main></body></html>\n";
+  if (!page.made.empty()) out += "<h2>How it was made</h2>\n<p>" + Escape(page.made) + "</p>\n";
+  out += "</main>";
+  if (std::any_of(page.sections.begin(), page.sections.end(), IsDrawnByThePage)) {
+    out += std::string("<style>") + kPlotStyle + "</style><script type=\"module\">" + kPlotScript +
+           kPageScript + "</script>";
+  }
+  return out + "</body></html>\n";
 }
 
 std::string Short(double value) { return Text("%.4g", value); }

@@ -61,6 +61,7 @@ Section TableSection(std::string title, std::vector<std::string> header, std::st
 struct Page {
   std::string title;    // "Closing the loop: rig, joint 1"
   std::string meta;     // which recordings and model
+  std::string made{};   // when, where and by which command; stands at the end
   std::string verdict;  // "effect"
   std::string outcome;  // finer; sets the colour of the bar
   std::string sentence;
