@@ -289,9 +289,8 @@ Page MakePage(const Report& report, std::vector<Picture> pictures) {
       EffectSection(trace, trace.effects, "Effects found",
                     "p of the whole search: " + GlobalP(trace) +
                         ". In the model, the one that training misses most first. Simulation, "
-                        "controllers and sinew-residual load model.yaml as it is; `sinew verify "
-                        "--model model.yaml --before " +
-                        report.model_file + "` simulates both beside a recording."),
+                        "controllers and sinew-residual load model.yaml as it is; sinew verify "
+                        "simulates it and the declared model beside a recording."),
       EventSection(trace),
       next,
       ErrorSection(report),

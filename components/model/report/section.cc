@@ -43,6 +43,16 @@ std::vector<std::string> Cells(const std::vector<std::string>& texts) {
   return out;
 }
 
+// Its id, else its title as one.
+std::string Anchor(const Section& section) {
+  if (!section.id.empty()) return section.id;
+  std::string out = section.title;
+  for (char& c : out) {
+    if (std::isalnum(static_cast<unsigned char>(c)) == 0) c = '-';
+  }
+  return out;
+}
+
 // Words of the tables' heads, in the words of docs/glossary.md.
 struct Word {
   std::string_view word, meaning;
@@ -119,16 +129,6 @@ std::string Contents(const Page& page) {
     out += "<a href=\"#" + Anchor(section) + "\">" + Escape(section.title) + "</a> ";
   }
   return out.empty() ? "" : "<nav>" + out + "</nav>\n";
-}
-
-// Its id, else its title as one.
-std::string Anchor(const Section& section) {
-  if (!section.id.empty()) return section.id;
-  std::string out = section.title;
-  for (char& c : out) {
-    if (std::isalnum(static_cast<unsigned char>(c)) == 0) c = '-';
-  }
-  return out;
 }
 
 std::string Comparisons(const std::vector<Comparison>& comparisons) {

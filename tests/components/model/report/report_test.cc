@@ -234,7 +234,9 @@ TEST(Report, ThePageStandsAlone) {
   const std::string html = DrawnHtml(MakePage(made.report, made.pictures));
   EXPECT_THAT(html, HasSubstr("quadratic_viscous"));
   EXPECT_THAT(html, HasSubstr("a &lt;robot&gt;"));
-  EXPECT_THAT(html, HasSubstr("<th>declared</th><th>refitted</th><th>corrected</th>"));
+  EXPECT_THAT(html, HasSubstr(">declared</abbr></th><th><abbr "));  // what it means stands there
+  EXPECT_THAT(html, HasSubstr("<a href=\"#Effects-found\">Effects found</a>"));
+  EXPECT_THAT(html, HasSubstr("data-panel=\"residual, Nm\" data-name=\"corrected\""));
   EXPECT_THAT(html, HasSubstr("Measured against model"));
   EXPECT_THAT(html, HasSubstr("Residual over time"));
   EXPECT_THAT(html, HasSubstr("Residual against"));
