@@ -162,6 +162,9 @@ std::string MapText(const Guess& guess, const Answers& answers) {
   if (guess.format.delimiter == ';') text += "delimiter: semicolon\n";
   if (guess.format.delimiter == '\t') text += "delimiter: tab\n";
   if (guess.format.delimiter == ' ') text += "delimiter: space\n";
+  if (!guess.format.header.empty()) {
+    text += "header: [" + types::Joined(guess.format.header) + "]\n";
+  }
   bool in_signals = false;
   for (const Column& column : guess.columns) {
     std::string line = "{column: " + Quoted(column.name) + ", unit: " + column.unit;
@@ -236,8 +239,9 @@ std::string ReadmeText(const Guess& guess, const Answers& answers, const std::st
 
 }  // namespace
 
-Guess GuessColumns(std::string_view text, const std::string& name) {
+Guess GuessColumns(std::string_view text, const std::string& name, std::vector<std::string> given) {
   Guess guess;
+  guess.format.header = std::move(given);
   guess.format.delimiter = DelimiterOf(text);
   const std::vector<std::string> header = recording::CsvHeader(text, name, {}, guess.format);
   // Measured columns come before those of what was asked for.

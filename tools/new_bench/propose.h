@@ -29,9 +29,11 @@ struct Guess {
   double split_s = 0.0;               // on its clock, after 0.6 of its time
 };
 
-// Throws std::invalid_argument naming the file: no header, or no column that may be an angle or
-// none that may be a drive (current, torque or voltage).
-Guess GuessColumns(std::string_view text, const std::string& name);
+// given: the columns of a file without a header. Throws std::invalid_argument naming the file: no
+// header, or no column that may be an angle or none that may be a drive (current, torque or
+// voltage).
+Guess GuessColumns(std::string_view text, const std::string& name,
+                   std::vector<std::string> given = {});
 
 // Answers to what no file contains.
 struct Answers {

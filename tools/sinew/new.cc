@@ -21,6 +21,7 @@ namespace fs = std::filesystem;
 
 struct NewBenchOptions {
   fs::path recording, out;
+  std::vector<std::string> header;
   new_bench::Answers answers;
   CLI::Option *gear = nullptr, *constant = nullptr, *sign = nullptr, *hanging = nullptr;
   double hanging_at = 0.0;
@@ -64,14 +65,14 @@ void AskForTheRest(const new_bench::Guess& guess, NewBenchOptions* options) {
 
 void MakeBench(NewBenchOptions& options) {
   const std::string name = options.recording.string();
-  const std::string text = config::ReadFile(options.recording);
+  const std::string text = config::ReadFile(options.recording, config::kLargestData);
   for (const char* file : {"csv_map.yaml", "model.yaml", "README.md"}) {
     if (fs::exists(options.out / file)) {
       throw UsageError((options.out / file).string() + ": is there already, expected a new folder");
     }
   }
   try {
-    const new_bench::Guess guess = new_bench::GuessColumns(text, name);
+    const new_bench::Guess guess = new_bench::GuessColumns(text, name, options.header);
     if (options.hanging->count() > 0) options.answers.hanging = options.hanging_at;
     AskForTheRest(guess, &options);
     const new_bench::Files files =
@@ -107,6 +108,10 @@ void AddNewCommand(CLI::App& app) {
   auto options = std::make_shared<NewBenchOptions>();
   bench->add_option("recording", options->recording, "CSV file")->required();
   bench->add_option("--out", options->out, "Folder of the files")->required();
+  bench
+      ->add_option("--header", options->header,
+                   "Names of the columns, between commas, where the file has no header")
+      ->delimiter(',');
   bench->add_option("--joint", options->answers.joint, "Its name")->capture_default_str();
   options->gear =
       bench->add_option("--gear", options->answers.gear_ratio, "Motor turns for one of the joint");

@@ -45,6 +45,12 @@ TEST(NewBench, ColumnsAndUnitsOfPublicRecordings) {
       "Iq [A]=motor_current[A] Torque [Nm]=torque[Nm] ");
 }
 
+TEST(NewBench, AFileWithoutAHeaderHasTheNamesThatAreGiven) {
+  const Guess guess = GuessColumns("0\t1\t2\n0.1\t1\t2\n", "d.txt", {"t_s", "q_rad", "tau_Nm"});
+  EXPECT_EQ(SignalsOf(guess), "t_s=time[s] q_rad=position[rad] tau_Nm=torque[Nm] ");
+  EXPECT_THAT(Propose(guess, {}, "d.txt").csv_map, HasSubstr("header: [t_s, q_rad, tau_Nm]\n"));
+}
+
 TEST(NewBench, WithoutUnitsTheValuesDecideAndItSaysSo) {
   const Guess guess = GuessColumns(
       "timestamp,angle,current,state\n1000000,-90,0.1,7\n"
