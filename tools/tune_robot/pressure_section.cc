@@ -73,8 +73,7 @@ void AddLines(const std::vector<PressurePoint>& points, const std::string& name,
   report::Series curve = {name, colour, {}, {}, "linespoints pt 7 ps 0.7 lw 2"};
   for (const PressurePoint& point : points) {
     if (!point.pressure_bar || !point.stands()) continue;
-    curve.x.push_back(*point.pressure_bar);
-    curve.y.push_back(figure(point));
+    curve.Add(*point.pressure_bar, figure(point));
   }
   if (points.front().stands() && !curve.x.empty()) {
     const double rigid = figure(points.front());

@@ -40,8 +40,7 @@ Series RowsOf(const Run& run, Signal signal, Eigen::Index first, Eigen::Index la
   const Eigen::VectorXd& x = run.At(signal);
   for (Eigen::Index i = first; i <= last; ++i) {
     if (!std::isfinite(x[i]) || !std::isfinite(run.time_s[i])) continue;
-    out.x.push_back(run.time_s[i]);
-    out.y.push_back(x[i]);
+    out.Add(run.time_s[i], x[i]);
   }
   return out;
 }

@@ -95,10 +95,7 @@ std::vector<Series> BothModels(const Report& report, const std::string& style) {
 }
 
 void AddPoint(double x, double before, double after, std::vector<Series>* both) {
-  for (std::size_t k = 0; k < both->size(); ++k) {
-    (*both)[k].x.push_back(x);
-    (*both)[k].y.push_back(k == 0 ? before : after);
-  }
+  for (std::size_t k = 0; k < both->size(); ++k) (*both)[k].Add(x, k == 0 ? before : after);
 }
 
 constexpr double kGapInLine = std::numeric_limits<double>::quiet_NaN();
@@ -116,8 +113,7 @@ Picture MeasuredAgainstModel(const Report& report, const Design& held_out,
        ++i) {
     if (rows.time_s[i] > rows.time_s[first] + window_s) break;
     const double unused = rows.used[static_cast<std::size_t>(i)] ? 0.0 : kGapInLine;
-    measured.x.push_back(rows.time_s[i] - rows.time_s[0]);
-    measured.y.push_back(torque[i]);
+    measured.Add(rows.time_s[i] - rows.time_s[0], torque[i]);
     AddPoint(measured.x.back(), torque[i] - trace.before_held_out.residual[i] + unused,
              torque[i] - trace.after_held_out.residual[i] + unused, &models);
   }
@@ -175,10 +171,7 @@ Picture ResidualOverVariable(const Report& report, const Design& design, const A
   Eigen::VectorXd x = design.Variable(axis.get);
   if (axis.name == "time_s") x.array() -= x[0];
   Series rows = {"refitted, every row", "#f0b98a", {}, {}, "points pt 7 ps 0.28"};
-  for (const Eigen::Index i : used) {
-    rows.x.push_back(x[i]);
-    rows.y.push_back(before[i]);
-  }
+  for (const Eigen::Index i : used) rows.Add(x[i], before[i]);
   std::vector<Series> series = BothModels(report, "linespoints pt 7 ps 0.4 lw 2");
   for (Series& mean : series) mean.name += ", mean";
   // Within a motor turn there may be many periods.
@@ -326,8 +319,7 @@ Picture PathPicture(const free_run::FreeRunResult& following, types::JointKind k
   const auto add = [&](const char* name, const char* colour, const std::vector<double>& position) {
     Series series = {name, colour, {}, {}, "lines lw 1.6"};
     for (std::size_t i = 0; i < rows; ++i) {
-      series.x.push_back(trace.period_s * static_cast<double>(i));
-      series.y.push_back(position[i]);
+      series.Add(trace.period_s * static_cast<double>(i), position[i]);
     }
     path.series.push_back(series);
     if (&position == &trace.measured) return;
