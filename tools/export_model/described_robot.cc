@@ -273,6 +273,18 @@ DescribedRobot Describe(const actuator::RobotModel& robot, const arm::Chain& cha
   return out;
 }
 
+DescribedJoint JointOf(const DescribedRobot& robot, const arm::Body& body) {
+  DescribedJoint joint;
+  for (const DescribedJoint& described : robot.joints) {
+    if (described.name == body.joint_name) joint = described;
+  }
+  if (body.passive) {
+    joint.spring_Nm_rad += body.passive->stiffness_Nm_rad;
+    joint.damping_Nm_s_rad += body.passive->damping_Nms_rad;
+  }
+  return joint;
+}
+
 std::vector<Dropped> DroppedBy(Format format, const actuator::RobotModel& robot) {
   std::vector<Dropped> dropped;
   for (const JointModel& joint : robot.joints) {
