@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <stdexcept>
 
 #include "components/model/payloads/payloads.h"
+#include "tools/export_model/xml_text.h"
 
 namespace sinew::export_model {
 namespace {
@@ -57,11 +57,6 @@ constexpr FormatPlaces kFormats[] = {
 };
 
 const FormatPlaces& Of(Format format) { return kFormats[static_cast<std::size_t>(format)]; }
-
-std::string ShortNumber(double value) {
-  std::array<char, 32> text;
-  return {text.data(), std::to_chars(text.data(), text.data() + text.size(), value).ptr};
-}
 
 std::string ParametersOf(const Term& term, types::JointKind kind) {
   const effects::EffectInfo& info = term.effect->info();
