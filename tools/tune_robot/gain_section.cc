@@ -96,28 +96,27 @@ report::Picture StageOne(const std::vector<GainTrial>& trials) {
 }
 
 report::Picture StageTwo(const GainSearchResult& result) {
-  report::Picture picture;
-  picture.title = "Error over all gains, stage 2 (Fig 6.18)";
-  picture.caption = "Draws around the best of stage 1. Best: " + GainsText(result.best->pid) +
-                    ", " + OutcomeText(*result.best) + ".";
   const GainTrial& best = *result.best;
   const ErrorRange range = ErrorsOf(result.trials, 2);  // gnuplot would take the heights in
-  picture.script =
-      report::PictureHead(520) +
-      "set xlabel 'Kp, N m/rad'\nset ylabel 'Ki, N m/(rad s)'\nset zlabel 'Kd, N m s/rad' rotate\n"
-      "set cblabel 'MSE, rad2'\nset logscale cb\nset format cb '%.0e'\nset ticslevel 0\nset view "
-      "62,38\n"
-      "set cbrange [" +
-      PictureNumber(range.least) + ":" + PictureNumber(1.01 * range.most) +
-      "]\n"
-      "set palette defined (0 '#1b7f9e', 1 '#c9a227', 2 '#b5525c')\n" +
-      GainBlock("trials", result.trials,
-                [](const GainTrial& t) { return t.stage == 2 && Stands(t); }) +
-      GainBlock("best", {best}, [](const GainTrial& t) { return Stands(t); }) +
-      "splot $trials using 1:2:3:4 with points pointtype 7 pointsize 0.8 palette notitle, "
-      "$best using 1:2:3 with points pointtype 6 pointsize 2.2 linewidth 2 linecolor rgb "
-      "'#333333' title 'best'\n";
-  return picture;
+  return {"Error over all gains, stage 2 (Fig 6.18)",
+          "Draws around the best of stage 1. Best: " + GainsText(best.pid) + ", " +
+              OutcomeText(best) + ".",
+          report::PictureHead(520) +
+              "set xlabel 'Kp, N m/rad'\nset ylabel 'Ki, N m/(rad s)'\nset zlabel 'Kd, N m s/rad' "
+              "rotate\n"
+              "set cblabel 'MSE, rad2'\nset logscale cb\nset format cb '%.0e'\nset ticslevel "
+              "0\nset view "
+              "62,38\n"
+              "set cbrange [" +
+              PictureNumber(range.least) + ":" + PictureNumber(1.01 * range.most) +
+              "]\n"
+              "set palette defined (0 '#1b7f9e', 1 '#c9a227', 2 '#b5525c')\n" +
+              GainBlock("trials", result.trials,
+                        [](const GainTrial& t) { return t.stage == 2 && Stands(t); }) +
+              GainBlock("best", {best}, [](const GainTrial& t) { return Stands(t); }) +
+              "splot $trials using 1:2:3:4 with points pointtype 7 pointsize 0.8 palette notitle, "
+              "$best using 1:2:3 with points pointtype 6 pointsize 2.2 linewidth 2 linecolor rgb "
+              "'#333333' title 'best'\n"};
 }
 
 int Count(const GainSearchResult& result, int stage, bool stands) {

@@ -134,8 +134,8 @@ struct EffectInfo {
   bool event = false;
   std::vector<ParameterInfo> linear;
   std::vector<ParameterInfo> nonlinear;
-  std::string signature;                 // what its residual looks like
-  std::string variable;                  // the signal its residual follows, e.g. "velocity_rad_s"
+  std::string signature;  // what its residual looks like
+  std::string variable;   // the signal its residual follows; left empty: the first that it needs
   std::vector<std::string> confounders;  // names of effects it is easily mistaken for
   std::string separating_excitation;     // distinguishes it from them
   std::vector<std::string> needs;        // signals it reads, field names of JointSample
@@ -145,7 +145,9 @@ struct EffectInfo {
 
 class Effect {
  public:
-  explicit Effect(EffectInfo info) : info_(std::move(info)) {}
+  explicit Effect(EffectInfo info) : info_(std::move(info)) {
+    if (info_.variable.empty() && !info_.needs.empty()) info_.variable = info_.needs.front();
+  }
   virtual ~Effect() = default;
   const EffectInfo& info() const { return info_; }
 

@@ -93,8 +93,6 @@ BacklashProtocol::BacklashProtocol(const BacklashPlan& plan) : plan_(plan) {
   }
 }
 
-Start BacklashProtocol::start() const { return {.pressure_bar = plan_.pressure_bar}; }
-
 Command BacklashProtocol::Step(const Reading& reading) noexcept {
   Command command;
   const double periods = reading.time_s / plan_.period_s;

@@ -48,10 +48,6 @@ BreakawayProtocol::BreakawayProtocol(const BreakawayPlan& plan) : plan_(plan) {
   }
 }
 
-Start BreakawayProtocol::start() const {
-  return {.output_angle_rad = plan_.angle_rad, .rest_s = plan_.rest_s};
-}
-
 Command BreakawayProtocol::Step(const Reading& reading) noexcept {
   Command command;  // the motor idles inside the play
   if (first_) {
@@ -78,23 +74,6 @@ BreakawayTour::BreakawayTour(std::vector<double> angles_rad, const BreakawayPlan
   if (angles_rad_.empty()) throw std::invalid_argument("breakaway: no angles");
   // Always lifted: the teeth then carry the link from below.
   std::sort(angles_rad_.begin(), angles_rad_.end());
-}
-
-Start BreakawayTour::start() const {
-  return {.output_angle_rad = angles_rad_.front() - 0.15, .motor_offset_rad = 0.0};
-}
-
-double BreakawayTour::expected_s() const {
-  return static_cast<double>(angles_rad_.size()) * (1.5 * plan_.rest_s + 6.0);
-}
-
-std::string BreakawayTour::instruction() const {
-  switch (phase_) {
-    case Phase::kPush:
-      return "press slowly on the end of the link until it gives way";
-    default:
-      return "hands off the link";
-  }
 }
 
 void BreakawayTour::Enter(Phase phase, double time_s) noexcept {

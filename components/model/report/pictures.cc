@@ -242,18 +242,15 @@ Picture Candidates(std::vector<trace::CandidateScore> shown) {
             (score.accepted ? "1" : "0") + "\n";
   }
   data += "EOD\n";
-  Picture out;
-  out.title = "Candidates";
-  out.caption =
-      "Part of the whitened misfit that each candidate removes by itself. Coloured: selected.";
-  out.script = PictureHead(70 + 30 * std::max(3, count)) + data +
-               "unset key\nset grid noy x\nset ytics textcolor rgb '#333333'\nset yrange [0.3:" +
-               PictureNumber(count + 0.7) +
-               "]\nset xlabel 'misfit removed, %'\n"
-               "col(c) = c == 1 ? 0x1b7f9e : 0xc9c9c9\n"
-               "plot $c u (0):1:(0):2:($1-0.3):($1+0.3):(col($4)):ytic(3) w boxxyerror fs solid 1 "
-               "noborder lc rgb variable\n";
-  return out;
+  return {"Candidates",
+          "Part of the whitened misfit that each candidate removes by itself. Coloured: selected.",
+          PictureHead(70 + 30 * std::max(3, count)) + data +
+              "unset key\nset grid noy x\nset ytics textcolor rgb '#333333'\nset yrange [0.3:" +
+              PictureNumber(count + 0.7) +
+              "]\nset xlabel 'misfit removed, %'\n"
+              "col(c) = c == 1 ? 0x1b7f9e : 0xc9c9c9\n"
+              "plot $c u (0):1:(0):2:($1-0.3):($1+0.3):(col($4)):ytic(3) w boxxyerror fs solid 1 "
+              "noborder lc rgb variable\n"};
 }
 
 Picture ErrorsBeforeAndAfter(const Report& report) {
@@ -275,23 +272,21 @@ Picture ErrorsBeforeAndAfter(const Report& report) {
     add("corrected", trace.after_train.rms, trace.after_held_out.rms);
   }
   data += "EOD\n";
-  Picture out;
-  out.title = "Error, refitted and corrected";
-  out.caption =
+  const std::string floor = PictureNumber(trace.noise_floor_rms);
+  return {
+      "Error, refitted and corrected",
       "Root mean square of the residual. Dashed: noise floor (" +
-      (trace.noise_floor_source.empty() ? std::string("unknown") : trace.noise_floor_source) + ").";
-  const double floor = trace.noise_floor_rms;
-  out.script = PictureHead(300) + data +
-               "set style fill solid 1 noborder\nset boxwidth 0.32\nset xrange [-0.6:" +
-               PictureNumber(at - 0.4) +
-               "]\nset yrange [0:*]\nset grid nox\nset ylabel 'residual, " + unit +
-               "'\nset arrow from graph 0, first " + PictureNumber(floor) + " to graph 1, first " +
-               PictureNumber(floor) + " nohead dt 2 lw 1.5 lc rgb '#777777' front\n" +
-               "plot $e u ($1-0.17):3:xtic(2) w boxes lc rgb '#bdbdbd' t 'training', '' u "
-               "($1+0.17):4 w boxes "
-               "lc rgb '" +
-               kAfterColour + "' t 'held out'\n";
-  return out;
+          (trace.noise_floor_source.empty() ? std::string("unknown") : trace.noise_floor_source) +
+          ").",
+      PictureHead(300) + data +
+          "set style fill solid 1 noborder\nset boxwidth 0.32\nset xrange [-0.6:" +
+          PictureNumber(at - 0.4) + "]\nset yrange [0:*]\nset grid nox\nset ylabel 'residual, " +
+          unit + "'\nset arrow from graph 0, first " + floor + " to graph 1, first " + floor +
+          " nohead dt 2 lw 1.5 lc rgb '#777777' front\n" +
+          "plot $e u ($1-0.17):3:xtic(2) w boxes lc rgb '#bdbdbd' t 'training', '' u "
+          "($1+0.17):4 w boxes "
+          "lc rgb '" +
+          kAfterColour + "' t 'held out'\n"};
 }
 
 // No torques: the simulated angle and what was searched for.

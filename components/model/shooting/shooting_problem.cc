@@ -55,7 +55,6 @@ class HatCurve final : public effects::Effect {
   static effects::EffectInfo InfoOf(const char* variable, bool by_direction, std::size_t knots) {
     effects::EffectInfo info;
     info.name = "curve";
-    info.variable = variable;
     info.needs = {variable};
     if (by_direction) info.needs.emplace_back("velocity_rad_s");
     info.linear.resize(knots);

@@ -18,7 +18,6 @@ std::unique_ptr<Effect> Make(EffectInfo info, const JointConstants& constants) {
                               "periods per motor turn")};
   info.signature = "residual periodic in motor angle";
   info.ripple = Side::kMotor;
-  info.variable = "motor_position_rad";
   info.confounders = {"gear_eccentricity"};
   info.separating_excitation = "slow constant speed over several motor turns, both directions";
   info.needs = {"motor_position_rad"};

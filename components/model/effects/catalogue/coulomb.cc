@@ -8,7 +8,6 @@ std::unique_ptr<Effect> Make(EffectInfo info, const JointConstants& constants) {
   info.source = "Coulomb; thesis (5.4)";
   info.linear = {Linear("coulomb", Dimension::kTorque, {0.0, 1e3}, "friction torque while moving")};
   info.signature = "residual steps where velocity changes sign";
-  info.variable = "velocity_rad_s";
   info.confounders = {"stribeck", "load_dependent_friction", "direction_dependent_coulomb"};
   info.separating_excitation = "slow motion in both directions at two loads";
   info.needs = {"velocity_rad_s"};

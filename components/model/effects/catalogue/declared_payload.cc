@@ -12,7 +12,6 @@ std::unique_ptr<Effect> Make(EffectInfo info, const JointConstants& constants) {
   info.linear = {Linear("share", Dimension::kNone, {0.0, 2.0},
                         "1: the payload is as declared; fixed in model files", 1.0)};
   info.signature = "residual that changes with the declared payload";
-  info.variable = "payload_kg";
   info.confounders = {"payload"};
   info.separating_excitation = "runs with and without payload";
   info.needs = {"payload_kg", "acceleration_rad_s2", "position_rad"};

@@ -9,7 +9,6 @@ std::unique_ptr<Effect> Make(EffectInfo info, const JointConstants& constants) {
   info.linear = {Linear("asymmetry", Dimension::kTorque, {-1e3, 1e3},
                         "half the difference of the Coulomb torques up and down")};
   info.signature = "while moving, a constant: it cannot be distinguished from an offset";
-  info.variable = "velocity_rad_s";
   info.confounders = {"offset", "current_offset", "direction_dependent_viscous"};
   info.separating_excitation = "torque at rest, approached from both sides";
   info.needs = {"velocity_rad_s"};

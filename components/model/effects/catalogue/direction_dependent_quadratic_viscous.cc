@@ -9,7 +9,6 @@ std::unique_ptr<Effect> Make(EffectInfo info, const JointConstants& constants) {
   info.linear = {Linear("asymmetry", Dimension::kQuadraticViscous, {-1e5, 1e5},
                         "half the difference of the quadratic coefficients up and down")};
   info.signature = "residual even in velocity, growing with its square";
-  info.variable = "velocity_rad_s";
   info.confounders = {"direction_dependent_viscous"};
   info.separating_excitation = "constant speeds, at least three in each direction";
   info.needs = {"velocity_rad_s"};

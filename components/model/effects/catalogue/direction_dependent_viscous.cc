@@ -9,7 +9,6 @@ std::unique_ptr<Effect> Make(EffectInfo info, const JointConstants& constants) {
   info.linear = {Linear("asymmetry", Dimension::kViscous, {-1e4, 1e4},
                         "half the difference of the viscous coefficients up and down")};
   info.signature = "residual even in velocity, linear in speed";
-  info.variable = "velocity_rad_s";
   info.confounders = {"direction_dependent_quadratic_viscous", "direction_dependent_coulomb"};
   info.separating_excitation = "constant speeds, at least three in each direction";
   info.needs = {"velocity_rad_s"};

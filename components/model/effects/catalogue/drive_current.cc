@@ -13,7 +13,6 @@ std::unique_ptr<Effect> Make(EffectInfo info, const JointConstants& constants) {
   info.linear = {Linear("efficiency", Dimension::kNone, {0.2, 1.2},
                         "share of the ideal torque N Kt I that reaches the output", 0.77)};
   info.signature = "none: it is the input";
-  info.variable = "drive_input";
   info.confounders = {"torque_constant_gain", "drive_efficiency_direction"};
   info.separating_excitation =
       "motion in both directions of power, with a known load to fix the scale";

@@ -13,7 +13,6 @@ std::unique_ptr<Effect> Make(EffectInfo info, const JointConstants& constants) {
   info.linear = {RelativeToDrive(Linear("gain", Dimension::kNone, {-1.0, 1.0},
                                         "backward drive factor minus forward drive factor"))};
   info.signature = "drive torque scaled by another factor when power flows back";
-  info.variable = "drive_input";
   info.confounders = {"load_dependent_friction"};
   info.separating_excitation = "lowering and lifting the same load at the same speed";
   info.needs = {"drive_input", "velocity_rad_s"};

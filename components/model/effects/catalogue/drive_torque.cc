@@ -12,7 +12,6 @@ std::unique_ptr<Effect> Make(EffectInfo info, const JointConstants& constants) {
   info.linear = {Linear("gain", Dimension::kNone, {0.5, 2.0},
                         "1: the sensor is exact; fixed where the sensor is trusted", 1.0)};
   info.signature = "none: it is the input";
-  info.variable = "drive_input";
   info.confounders = {"torque_constant_gain"};
   info.separating_excitation = "a known load to fix the scale";
   info.needs = {"drive_input"};

@@ -13,7 +13,6 @@ std::unique_ptr<Effect> Make(EffectInfo info, const JointConstants& constants) {
   info.linear = {Linear("gain", Dimension::kTorquePerVolt, {1e-3, 1e4},
                         "torque or force at the output per volt", IdealDriveGain(constants))};
   info.signature = "none: it is the input";
-  info.variable = "drive_input";
   info.confounders = {"torque_constant_gain"};
   info.separating_excitation = "a known load to fix the scale";
   info.needs = {"drive_input"};

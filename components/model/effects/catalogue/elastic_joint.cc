@@ -13,7 +13,6 @@ std::unique_ptr<Effect> Make(EffectInfo info, const JointConstants& constants) {
   info.linear = {Linear("flexibility", Dimension::kInertiaTime, {0.0, 100.0},
                         "torque per jerk; divided by the inertia a time")};
   info.signature = "residual follows jerk: torque that leads or lags the acceleration";
-  info.variable = "jerk_rad_s3";
   info.confounders = {"transport_delay", "flexible_link", "gear_compliance"};
   info.separating_excitation = "fast reversals and pulses with two loads";
   info.needs = {"jerk_rad_s3"};

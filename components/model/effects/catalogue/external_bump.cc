@@ -17,7 +17,6 @@ std::unique_ptr<Effect> Make(EffectInfo info, const JointConstants& constants) {
                     Nonlinear("length", Dimension::kTime, {0.05, 10.0}, 0.5, {0.2, 0.4, 0.8, 1.6},
                               "from its beginning to its end")};
   info.signature = "one short excursion of the residual; nothing before, nothing after";
-  info.variable = "time_s";
   info.confounders = {"payload_step"};
   info.separating_excitation = "the same motion again: a push does not come back";
   info.needs = {"time_s"};

@@ -67,7 +67,6 @@ std::unique_ptr<Effect> Make(EffectInfo info, const JointConstants&) {
                 "w / 2 pi, with the joint held"),
       Nonlinear("damping_ratio", Dimension::kNone, {0.001, 0.9}, 0.05, {0.03, 0.15}, "z")};
   info.signature = "residual follows acceleration through a resonance";
-  info.variable = "acceleration_rad_s2";
   info.confounders = {"elastic_joint", "gear_compliance", "inertia"};
   info.separating_excitation = "fast reversals and pulses with two loads";
   info.needs = {"acceleration_rad_s2"};

@@ -12,7 +12,6 @@ std::unique_ptr<Effect> Make(EffectInfo info, const JointConstants& constants) {
   info.linear = {Linear("compliance", Dimension::kInertiaTimeSquared, {-10.0, 10.0},
                         "torque per snap; divided by the inertia a squared time")};
   info.signature = "residual at high frequency, opposed to acceleration or in phase with it";
-  info.variable = "snap_rad_s4";
   info.confounders = {"flexible_link", "elastic_joint", "transport_delay", "inertia"};
   info.separating_excitation = "pulses and chirps up to the resonance";
   info.needs = {"snap_rad_s4"};

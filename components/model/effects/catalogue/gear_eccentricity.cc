@@ -30,7 +30,6 @@ std::unique_ptr<Effect> Make(EffectInfo info, const JointConstants& constants) {
                               "periods per output turn")};
   info.signature = "residual periodic in the angle of a wheel, often growing with the load";
   info.ripple = Side::kOutput;
-  info.variable = "position_rad";
   info.confounders = {"gravity", "gravity_phase", "cogging"};
   info.separating_excitation = "slow constant speed over the whole angle range, at two loads";
   info.needs = {"position_rad"};

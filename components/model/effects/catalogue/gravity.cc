@@ -10,7 +10,6 @@ std::unique_ptr<Effect> Make(EffectInfo info, const JointConstants& constants) {
   info.linear = {Linear("gravity_torque", Dimension::kTorque, {0.0, 1e3},
                         "torque with the link horizontal, without declared payload")};
   info.signature = "residual follows cos q";
-  info.variable = "position_rad";
   info.confounders = {"payload", "gravity_phase", "gear_eccentricity"};
   info.separating_excitation = "slow motion over the whole angle range";
   info.needs = {"position_rad"};

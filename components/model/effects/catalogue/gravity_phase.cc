@@ -15,7 +15,6 @@ std::unique_ptr<Effect> Make(EffectInfo info, const JointConstants& constants) {
              "gravity torque times the sine of the tilt"),
       Linear("payload_quadrature", Dimension::kNone, {-1.0, 1.0}, "s, from the declared payload")};
   info.signature = "residual follows sin q";
-  info.variable = "position_rad";
   info.confounders = {"gear_eccentricity", "offset"};
   info.separating_excitation = "slow motion over the whole angle range";
   info.needs = {"position_rad"};

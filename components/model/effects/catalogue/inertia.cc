@@ -10,7 +10,6 @@ std::unique_ptr<Effect> Make(EffectInfo info, const JointConstants& constants) {
   info.linear = {Linear("inertia", Dimension::kInertia, {0.0, 1e4},
                         "inertia at the output, rotor included (mass of a linear joint)")};
   info.signature = "residual in phase with acceleration";
-  info.variable = "acceleration_rad_s2";
   info.confounders = {"payload", "gear_compliance"};
   info.separating_excitation = "accelerations of different size at the same angle";
   info.needs = {"acceleration_rad_s2"};

@@ -10,7 +10,6 @@ std::unique_ptr<Effect> Make(EffectInfo info, const JointConstants& constants) {
   info.linear = {Linear("link_inertia", Dimension::kInertia, {0.0, 1e3},
                         "inertia of the link about the joint, without declared payload")};
   info.signature = "residual in phase with output acceleration";
-  info.variable = "acceleration_rad_s2";
   info.confounders = {"rotor_inertia", "payload"};
   info.separating_excitation = "motion inside the free play; two known payloads";
   info.needs = {"acceleration_rad_s2"};

@@ -11,7 +11,6 @@ std::unique_ptr<Effect> Make(EffectInfo info, const JointConstants& constants) {
   info.linear = {
       Linear("gain", Dimension::kNone, {-0.5, 0.5}, "true force over indicated force, minus 1")};
   info.signature = "residual follows the load cell";
-  info.variable = "load_force_N";
   info.confounders = {"load_force", "load_cell_misalignment", "torque_constant_gain"};
   info.separating_excitation = "a known weight on the load cell, with and without declared payload";
   info.needs = {"load_force_N"};

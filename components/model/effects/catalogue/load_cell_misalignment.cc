@@ -17,7 +17,6 @@ std::unique_ptr<Effect> Make(EffectInfo info, const JointConstants& constants) {
                  Linear("turn", Dimension::kNone, {-1.5, 1.5},
                         "b: -1 for a force that keeps its direction in space")};
   info.signature = "residual follows load force times the sine of the angle";
-  info.variable = "load_force_N";
   info.confounders = {"load_cell_gain", "load_force"};
   info.separating_excitation = "the same push at several angles of the link";
   info.needs = {"load_force_N", "position_rad"};

@@ -11,7 +11,6 @@ std::unique_ptr<Effect> Make(EffectInfo info, const JointConstants& constants) {
   info.linear = {
       RelativeToDrive(Linear("share", Dimension::kNone, {0.0, 1.0}, "friction per load torque"))};
   info.signature = "Coulomb step that grows with the load";
-  info.variable = "drive_input";
   info.confounders = {"drive_efficiency_direction", "coulomb"};
   info.separating_excitation = "the same slow motion with and against a known load";
   info.needs = {"drive_input", "velocity_rad_s"};

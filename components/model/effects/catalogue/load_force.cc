@@ -11,7 +11,6 @@ std::unique_ptr<Effect> Make(EffectInfo info, const JointConstants& constants) {
   info.linear = {Linear("share", Dimension::kNone, {0.5, 1.5},
                         "1: the load cell reads right; fixed in model files", 1.0)};
   info.signature = "residual follows the load cell";
-  info.variable = "load_force_N";
   info.confounders = {"payload"};
   info.separating_excitation = "pushes of known force";
   info.needs = {"load_force_N"};

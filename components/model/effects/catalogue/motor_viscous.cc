@@ -10,7 +10,6 @@ std::unique_ptr<Effect> Make(EffectInfo info, const JointConstants& constants) {
   info.linear = {
       Linear("viscous", Dimension::kViscous, {0.0, 1e4}, "torque per velocity, at the output")};
   info.signature = "residual linear in motor velocity, also inside the free play";
-  info.variable = "motor_velocity_rad_s";
   info.confounders = {"viscous", "quadratic_viscous", "stribeck"};
   info.separating_excitation = "motor motion inside the free play";
   info.needs = {"motor_velocity_rad_s"};

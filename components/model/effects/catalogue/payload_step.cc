@@ -18,7 +18,6 @@ std::unique_ptr<Effect> Make(EffectInfo info, const JointConstants& constants) {
   info.nonlinear = {Nonlinear("start", Dimension::kTime, {0.0, 1e6}, 0.0, {0.0},
                               "when, on the clock of the recording")};
   info.signature = "gravity and inertia that are there after an instant and not before";
-  info.variable = "time_s";
   info.confounders = {"payload", "temperature_friction", "external_bump"};
   info.separating_excitation = "the same motion before and after, over the whole angle range";
   info.needs = {"time_s", "acceleration_rad_s2", "position_rad"};

@@ -9,7 +9,6 @@ std::unique_ptr<Effect> Make(EffectInfo info, const JointConstants& constants) {
   info.linear = {Linear("pneumatic_torque", Dimension::kTorquePerBar, {0.0, 1e3},
                         "torque per gauge pressure at the rest angle")};
   info.signature = "residual follows pressure";
-  info.variable = "pressure_bar";
   info.confounders = {"pressure_gain", "pneumatic_stiffness"};
   info.separating_excitation = "pressure steps at one angle";
   info.needs = {"pressure_bar"};

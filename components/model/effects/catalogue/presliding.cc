@@ -33,7 +33,6 @@ std::unique_ptr<Effect> Make(EffectInfo info, const JointConstants&) {
                               "xs, the stroke over which it builds up")};
   info.smallest = Smallest::kCounts;
   info.signature = "less friction than declared after each reversal, growing with the stroke";
-  info.variable = "position_rad";
   info.confounders = {"seal_hysteresis", "stribeck", "coulomb"};
   info.separating_excitation =
       "small strokes at one pressure, then at another; a seal's hysteresis grows with pressure";

@@ -9,7 +9,6 @@ std::unique_ptr<Effect> Make(EffectInfo info, const JointConstants& constants) {
   info.linear = {
       Linear("friction", Dimension::kTorquePerBar, {0.0, 1e3}, "friction per gauge pressure")};
   info.signature = "Coulomb step that grows with pressure";
-  info.variable = "pressure_bar";
   info.confounders = {"seal_hysteresis", "coulomb"};
   info.separating_excitation =
       "reversals at several pressures: hysteresis turns over an angle, friction at once";

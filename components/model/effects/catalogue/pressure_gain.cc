@@ -9,7 +9,6 @@ std::unique_ptr<Effect> Make(EffectInfo info, const JointConstants& constants) {
   info.linear = {
       Linear("gain", Dimension::kNone, {-0.5, 0.5}, "share that the sensor reads too much")};
   info.signature = "residual proportional to the pneumatic torque";
-  info.variable = "pressure_bar";
   info.confounders = {"pneumatic_torque"};
   info.separating_excitation =
       "a second pressure gauge; a refit of the pneumatic torque absorbs it";

@@ -8,7 +8,6 @@ std::unique_ptr<Effect> Make(EffectInfo info, const JointConstants& constants) {
   info.source = "first order of K P(t + lag) - k1 P(t + lag) (q - q0)";
   info.linear = {Linear("lag", Dimension::kTime, {0.0, 2.0}, "how late the sensor reads")};
   info.signature = "residual follows the rate of pressure";
-  info.variable = "pressure_rate_bar_s";
   info.confounders = {"viscous"};
   info.separating_excitation = "pressure steps at rest";
   info.needs = {"pressure_rate_bar_s", "position_rad"};

@@ -9,7 +9,6 @@ std::unique_ptr<Effect> Make(EffectInfo info, const JointConstants& constants) {
   info.linear = {
       Linear("offset", Dimension::kPressure, {-2.0, 2.0}, "what the sensor reads too much")};
   info.signature = "a spring that is there at every pressure";
-  info.variable = "position_rad";
   info.confounders = {"offset", "pneumatic_stiffness"};
   info.separating_excitation = "the vented chamber, over the whole angle range";
   info.needs = {"position_rad"};

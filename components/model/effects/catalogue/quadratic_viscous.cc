@@ -12,7 +12,6 @@ std::unique_ptr<Effect> Make(EffectInfo info, const JointConstants& constants) {
   info.linear = {Linear("quadratic", Dimension::kQuadraticViscous, {0.0, 1e5},
                         "torque per squared velocity, at the output")};
   info.signature = "residual odd in velocity, growing with its square";
-  info.variable = "motor_velocity_rad_s";
   info.confounders = {"viscous", "motor_viscous", "stribeck"};
   info.separating_excitation = "constant speeds over the whole range, both directions";
   info.needs = {"motor_velocity_rad_s"};

@@ -11,7 +11,6 @@ std::unique_ptr<Effect> Make(EffectInfo info, const JointConstants& constants) {
   info.linear = {Linear("share", Dimension::kNone, {0.5, 1.5},
                         "1: as the bodies are fitted; fixed in model files", 1.0)};
   info.signature = "residual follows what gravity and inertia of the arm need";
-  info.variable = "rigid_torque_Nm";
   info.confounders = {"gravity", "inertia", "payload"};
   info.separating_excitation = "motion of all joints at once";
   info.needs = {"rigid_torque_Nm"};

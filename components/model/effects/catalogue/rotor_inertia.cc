@@ -12,7 +12,6 @@ std::unique_ptr<Effect> Make(EffectInfo info, const JointConstants& constants) {
   info.linear = {Linear("rotor_inertia", Dimension::kInertia, {0.0, 1e3},
                         "inertia of the rotor seen at the output, N^2 times its own")};
   info.signature = "residual in phase with motor acceleration";
-  info.variable = "motor_acceleration_rad_s2";
   info.confounders = {"link_inertia", "payload"};
   info.separating_excitation = "motion inside the free play, where only the rotor accelerates";
   info.needs = {"motor_acceleration_rad_s2"};

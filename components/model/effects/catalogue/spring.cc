@@ -12,7 +12,6 @@ std::unique_ptr<Effect> Make(EffectInfo info, const JointConstants& constants) {
       Linear("preload", Dimension::kTorque, {-1e4, 1e4},
              "torque at position 0; the spring rests at q0 = preload / k")};
   info.signature = "residual falls in a line over the position";
-  info.variable = "position_rad";
   info.confounders = {"gravity", "gravity_phase", "pneumatic_stiffness", "offset"};
   info.separating_excitation = "slow motion over the whole range; several pressures";
   info.needs = {"position_rad"};

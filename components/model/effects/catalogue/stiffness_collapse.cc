@@ -13,7 +13,6 @@ std::unique_ptr<Effect> Make(EffectInfo info, const JointConstants& constants) {
   info.nonlinear = {
       Nonlinear("pressure", Dimension::kPressure, {0.05, 10.0}, 0.8, {0.3, 0.6, 1.0, 1.6}, "P0")};
   info.signature = "residual at low pressure that turns its sign with the angle";
-  info.variable = "pressure_bar";
   info.confounders = {"pneumatic_stiffness", "pressure_offset", "pressure_gain"};
   info.separating_excitation = "the same angles at pressures from the vented chamber up";
   info.needs = {"pressure_bar", "position_rad"};

@@ -12,7 +12,6 @@ std::unique_ptr<Effect> Make(EffectInfo info, const JointConstants& constants) {
                               {0.002, 0.004, 0.008, 0.015, 0.03, 0.06, 0.12, 0.25},
                               "speed at which it has fallen to 1/e")};
   info.signature = "extra friction below vs, falling with speed";
-  info.variable = "velocity_rad_s";
   info.confounders = {"coulomb", "viscous", "seal_hysteresis"};
   info.separating_excitation = "slow ramps and constant speeds below and above vs, both directions";
   info.needs = {"velocity_rad_s"};

@@ -11,7 +11,6 @@ std::unique_ptr<Effect> Make(EffectInfo info, const JointConstants& constants) {
                  Linear("viscous", Dimension::kViscousPerKelvin, {-100.0, 100.0},
                         "viscous friction per kelvin above 25 degC")};
   info.signature = "friction that changes over the run with motor temperature";
-  info.variable = "temperature_degC";
   info.confounders = {"coulomb", "viscous"};
   info.separating_excitation = "the same motion cold and warm";
   info.needs = {"temperature_degC", "velocity_rad_s"};

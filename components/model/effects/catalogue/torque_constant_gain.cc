@@ -11,7 +11,6 @@ std::unique_ptr<Effect> Make(EffectInfo info, const JointConstants& constants) {
   info.linear = {RelativeToDrive(
       Linear("gain", Dimension::kNone, {-0.5, 0.5}, "relative error of the torque constant"))};
   info.signature = "residual proportional to drive torque";
-  info.variable = "drive_input";
   info.confounders = {"drive_current", "drive_voltage"};
   info.separating_excitation = "a load of known weight; a refit of the drive factor absorbs it";
   info.needs = {"drive_input"};

@@ -13,7 +13,6 @@ std::unique_ptr<Effect> Make(EffectInfo info, const JointConstants& constants) {
       RelativeToDrive(Linear("saturation", Dimension::kPerCurrentSquared, {0.0, 1.0},
                              "relative loss of the torque constant per squared ampere"))};
   info.signature = "less torque than declared at high current, odd in current";
-  info.variable = "drive_input";
   info.confounders = {"torque_constant_gain", "load_dependent_friction"};
   info.separating_excitation = "known loads up to the current limit";
   info.needs = {"drive_input"};

@@ -67,7 +67,6 @@ std::unique_ptr<Effect> Make(EffectInfo info, const JointConstants& constants) {
                               "it is shorter than the drive's own changes")};
   info.nonlinear.front().optional = true;
   info.signature = "residual follows the rate of the drive input";
-  info.variable = "drive_rate";
   info.confounders = {"elastic_joint", "flexible_link", "gear_compliance"};
   info.separating_excitation =
       "fast reversals; the delay stays when the load changes, flexibility does not";

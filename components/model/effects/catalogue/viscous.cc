@@ -9,7 +9,6 @@ std::unique_ptr<Effect> Make(EffectInfo info, const JointConstants& constants) {
   info.linear = {
       Linear("viscous", Dimension::kViscous, {0.0, 1e4}, "torque per velocity, at the output")};
   info.signature = "residual linear in velocity";
-  info.variable = "velocity_rad_s";
   info.confounders = {"motor_viscous", "quadratic_viscous", "stribeck"};
   info.separating_excitation = "constant speeds, several, both directions";
   info.needs = {"velocity_rad_s"};

@@ -16,7 +16,6 @@ std::unique_ptr<Effect> Make(EffectInfo info, const JointConstants& constants) {
   info.nonlinear = {Nonlinear("exponent", Dimension::kNone, {0.5, 1.0}, 0.5, {0.5, 0.75, 1.0},
                               "1: laminar, 1/2: orifice")};
   info.signature = "pressure falls while the valve is shut, faster at high pressure";
-  info.variable = "pressure_bar";
   info.confounders = {"gas_heat_exchange"};
   info.separating_excitation =
       "minutes with the valve shut at several pressures: heat is exchanged "

@@ -12,7 +12,6 @@ std::unique_ptr<Effect> Make(EffectInfo info, const JointConstants& constants) {
   info.linear = {Linear("delay", Dimension::kTime, {0.0, 0.5},
                         "the reading is this much older than its stamp")};
   info.signature = "reading follows late whatever moves the pressure";
-  info.variable = "valve_flow_rate_bar_s";
   info.confounders = {"valve_dead_time"};
   info.separating_excitation = "fast compression with the valve shut: a valve has no part in it";
   info.needs = {"valve_flow_rate_bar_s", "pressure_bar", "volume_rate_1_s"};

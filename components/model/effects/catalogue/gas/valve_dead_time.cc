@@ -11,7 +11,6 @@ std::unique_ptr<Effect> Make(EffectInfo info, const JointConstants& constants) {
   info.linear = {Linear("dead_time", Dimension::kTime, {0.0, 0.5},
                         "from the command to the flow, beyond valve_delay_s")};
   info.signature = "after the command to open the pressure stands still for a while";
-  info.variable = "valve_flow_rate_bar_s";
   info.confounders = {"pressure_lag"};
   info.separating_excitation =
       "pressure steps with a fast logger: a dead time shifts, a lag rounds";

@@ -10,7 +10,6 @@ std::unique_ptr<Effect> Make(EffectInfo info, const JointConstants& constants) {
   info.linear = {Linear("share", Dimension::kNone, {1.0 - 1e-9, 1.0 + 1e-9},
                         "1: the flow begins with the command and the stated delay", 1.0)};
   info.signature = "pressure moves once the valve is open";
-  info.variable = "valve_flow_bar";
   info.needs = {"valve_flow_bar"};
   return Memoryless(constants, std::move(info),
                     [](const JointSample& x) { return -x.valve_flow_bar; });

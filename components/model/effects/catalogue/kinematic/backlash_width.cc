@@ -12,7 +12,6 @@ std::unique_ptr<Effect> Make(EffectInfo info, const JointConstants& constants) {
   info.linear = {
       Linear("extra_width", Dimension::kAngle, {-0.5, 0.5}, "full width beyond the declared one")};
   info.signature = "difference of the encoders jumps further than declared, whatever the torque";
-  info.variable = "tooth_side";
   info.confounders = {"gear_compliance", "free_play"};
   info.separating_excitation = "small and large torque on either side: play does not grow with it";
   info.needs = {"tooth_side"};

@@ -11,7 +11,6 @@ std::unique_ptr<Effect> Make(EffectInfo info, const JointConstants& constants) {
   info.linear = {Linear("share", Dimension::kNone, {1.0 - 1e-9, 1.0 + 1e-9},
                         "1: the difference is exact", 1.0)};
   info.signature = "none: it is what the balance is about";
-  info.variable = "drive_input";
   info.needs = {"drive_input"};
   return Memoryless(constants, std::move(info), [](const JointSample& x) { return x.drive_input; });
 }

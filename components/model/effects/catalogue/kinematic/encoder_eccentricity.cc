@@ -26,7 +26,6 @@ std::unique_ptr<Effect> Make(EffectInfo info, const JointConstants& constants) {
                               {0.5, std::max(12.0, 8.0 * constants.gear_ratio)}, 1.0, orders,
                               "periods per output turn")};
   info.signature = "difference of the encoders periodic in the angle, on both sides of the play";
-  info.variable = "motor_position_rad";
   info.confounders = {"gear_compliance"};
   info.separating_excitation = "the same angles under opposite load";
   info.needs = {"motor_position_rad"};

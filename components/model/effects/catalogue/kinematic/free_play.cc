@@ -15,7 +15,6 @@ std::unique_ptr<Effect> Make(EffectInfo info, const JointConstants& constants) {
       Linear("compliance", Dimension::kAnglePerTorque, {0.0, 1.0},
              "of the teeth, from the gear's data sheet; 0: rigid")};
   info.signature = "the difference of the encoders jumps by b when the torque reverses";
-  info.variable = "tooth_side";
   info.confounders = {"backlash_width", "gear_compliance"};
   info.separating_excitation = "none: only declared values distinguish them";
   info.needs = {"tooth_side", "tooth_torque_Nm"};

@@ -13,7 +13,6 @@ std::unique_ptr<Effect> Make(EffectInfo info, const JointConstants& constants) {
   info.linear = {Linear("compliance", Dimension::kAnglePerTorque, {0.0, 1.0},
                         "twist per torque at the output, 1 / stiffness")};
   info.signature = "difference of the encoders grows with the torque that the teeth carry";
-  info.variable = "tooth_torque_Nm";
   info.confounders = {"backlash_width"};
   info.separating_excitation = "small and large torque on either side of the play";
   info.needs = {"tooth_torque_Nm"};

@@ -11,7 +11,6 @@ std::unique_ptr<Effect> Make(EffectInfo info, const JointConstants& constants) {
   info.linear = {Linear("delay", Dimension::kTime, {-0.1, 0.1},
                         "the motor's angle is recorded this much later than the output's")};
   info.signature = "difference of the encoders follows the velocity";
-  info.variable = "velocity_rad_s";
   info.confounders = {"gear_compliance"};
   info.separating_excitation = "the same velocity at different load: a skew does not see the load";
   info.needs = {"velocity_rad_s"};
