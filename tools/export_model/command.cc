@@ -1,5 +1,3 @@
-#include "tools/export_model/command.h"
-
 #include <CLI/CLI.hpp>
 #include <filesystem>
 #include <iostream>
@@ -10,6 +8,7 @@
 #include <vector>
 
 #include "components/base/config/config.h"
+#include "components/base/types/joined.h"
 #include "components/base/types/json_text.h"
 #include "components/bodies/links/file/urdf_file.h"
 #include "components/model/actuator/file/model_file.h"
@@ -18,7 +17,6 @@
 #include "components/record/recording/file/run_reader.h"
 #include "tools/export_model/cost.h"
 #include "tools/export_model/described_robot.h"
-#include "tools/export_model/remarks.h"
 #include "tools/export_model/write_model.h"
 #include "tools/sinew/shipped.h"
 
@@ -80,11 +78,9 @@ Costs ReadCosts(const Options& options, const actuator::ModelFile& file, const a
 }
 
 std::string NamesOf(const std::vector<std::string>& recordings) {
-  std::string names;
-  for (const std::string& recording : recordings) {
-    names += (names.empty() ? "" : ", ") + fs::path(recording).filename().string();
-  }
-  return names;
+  std::vector<std::string> names;
+  for (const std::string& recording : recordings) names.push_back(fs::path(recording).filename());
+  return types::Joined(names);
 }
 
 nlohmann::ordered_json ToJson(const Options& options, const std::vector<Dropped>& dropped,

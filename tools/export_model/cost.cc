@@ -47,9 +47,10 @@ std::string_view UnitOf(Measure measure, const actuator::RobotModel& robot,
   const auto joint =
       std::find_if(robot.joints.begin(), robot.joints.end(),
                    [&](const actuator::JointModel& other) { return other.name == joint_name; });
-  const bool rotary = joint == robot.joints.end() || joint->kind == types::JointKind::kRevolute;
-  if (measure == Measure::kSimulatedPosition) return rotary ? "rad" : "m";
-  return rotary ? "Nm" : "N";
+  return effects::UnitSuffix(
+      measure == Measure::kSimulatedPosition ? effects::Dimension::kAngle
+                                             : effects::Dimension::kTorque,
+      joint == robot.joints.end() ? types::JointKind::kRevolute : joint->kind);
 }
 
 Costs CostsOf(const std::vector<Dropped>& dropped, const actuator::RobotModel& robot,

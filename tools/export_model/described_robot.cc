@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <stdexcept>
 
 #include "components/model/payloads/payloads.h"
+#include "tools/export_model/xml_text.h"
 
 namespace sinew::export_model {
 namespace {
@@ -57,11 +57,6 @@ constexpr FormatPlaces kFormats[] = {
 };
 
 const FormatPlaces& Of(Format format) { return kFormats[static_cast<std::size_t>(format)]; }
-
-std::string ShortNumber(double value) {
-  std::array<char, 32> text;
-  return {text.data(), std::to_chars(text.data(), text.data() + text.size(), value).ptr};
-}
 
 std::string ParametersOf(const Term& term, types::JointKind kind) {
   const effects::EffectInfo& info = term.effect->info();
@@ -271,6 +266,18 @@ DescribedRobot Describe(const actuator::RobotModel& robot, const arm::Chain& cha
     out.changed[body.link_name] = LinkInertia{body.mass_kg, body.com_m, body.inertia_kg_m2};
   }
   return out;
+}
+
+DescribedJoint JointOf(const DescribedRobot& robot, const arm::Body& body) {
+  DescribedJoint joint;
+  for (const DescribedJoint& described : robot.joints) {
+    if (described.name == body.joint_name) joint = described;
+  }
+  if (body.passive) {
+    joint.spring_Nm_rad += body.passive->stiffness_Nm_rad;
+    joint.damping_Nm_s_rad += body.passive->damping_Nms_rad;
+  }
+  return joint;
 }
 
 std::vector<Dropped> DroppedBy(Format format, const actuator::RobotModel& robot) {

@@ -91,6 +91,10 @@ struct DescribedRobot {
 // joint that mimics another, a floating base without mass.
 DescribedRobot Describe(const actuator::RobotModel& robot, const arm::Chain& chain);
 
+// The joint of a body, with the spring and damper that the URDF declares; one that the model does
+// not describe has these alone.
+DescribedJoint JointOf(const DescribedRobot& robot, const arm::Body& body);
+
 // In the order of the model's joints and terms.
 std::vector<Dropped> DroppedBy(Format format, const actuator::RobotModel& robot);
 

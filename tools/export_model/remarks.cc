@@ -1,6 +1,5 @@
-#include "tools/export_model/remarks.h"
-
 #include "components/base/types/text.h"
+#include "tools/export_model/write_model.h"
 
 namespace sinew::export_model {
 namespace {

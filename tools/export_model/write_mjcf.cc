@@ -40,12 +40,6 @@ class MjcfText {
 
  private:
   const arm::Chain& Chain() const { return robot_.links.chain; }
-  const DescribedJoint* JointOf(const arm::Body& body) const {
-    for (const DescribedJoint& joint : robot_.joints) {
-      if (joint.name == body.joint_name) return &joint;
-    }
-    return nullptr;
-  }
 
   static std::string Pose(const Eigen::Isometry3d& frame) {
     const Eigen::Quaterniond q(frame.linear());
@@ -87,12 +81,7 @@ class MjcfText {
   }
 
   void Joint(const arm::Body& body, const std::string& indent) {
-    DescribedJoint joint;
-    if (const DescribedJoint* described = JointOf(body)) joint = *described;
-    if (body.passive) {
-      joint.spring_Nm_rad += body.passive->stiffness_Nm_rad;
-      joint.damping_Nm_s_rad += body.passive->damping_Nms_rad;
-    }
+    const DescribedJoint joint = JointOf(robot_, body);
     text_ += indent + "<joint name=\"" + report::Escape(body.joint_name) + "\" type=\"" +
              (body.prismatic ? "slide" : "hinge") + "\" axis=\"" + XmlVector(body.axis) + "\"";
     if (std::isfinite(body.lower) && std::isfinite(body.upper)) {

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "tools/export_model/cost.h"
 #include "tools/export_model/described_robot.h"
 
 namespace sinew::export_model {
@@ -14,6 +15,13 @@ namespace sinew::export_model {
 // One line each, for the head of the file. Of "--", which XML comments may not contain, the second
 // dash is left out.
 using Remarks = std::vector<std::string>;
+
+// Where the model comes from, what the format does not carry and what that costs (remarks.cc).
+// base: with all that is fixed to it. source: the model file's name; costs: of `dropped`;
+// recordings: names of the held-out ones, empty: none was given, and costs are empty.
+Remarks MakeRemarks(Format format, const actuator::RobotModel& robot, const arm::Base& base,
+                    const std::string& source, const std::vector<Dropped>& dropped,
+                    const Costs& costs, const std::string& recordings);
 
 // MuJoCo 2.2 XML, angles in radians. Links on fixed joints are sites of the body that carries them.
 // A drive is a motor: control is the torque at its shaft, N m, within its limit; where the model

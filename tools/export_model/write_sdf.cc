@@ -31,14 +31,7 @@ double SdfEffort(const DescribedJoint& joint) { return joint.gear * joint.motor_
 
 std::string SdfJoint(const DescribedRobot& robot, const arm::Body& body,
                      const std::string& parent) {
-  DescribedJoint joint;
-  for (const DescribedJoint& described : robot.joints) {
-    if (described.name == body.joint_name) joint = described;
-  }
-  if (body.passive) {
-    joint.spring_Nm_rad += body.passive->stiffness_Nm_rad;
-    joint.damping_Nm_s_rad += body.passive->damping_Nms_rad;
-  }
+  const DescribedJoint joint = JointOf(robot, body);
   std::string text = "    <joint name=\"" + report::Escape(body.joint_name) + "\" type=\"" +
                      (body.prismatic ? "prismatic" : "revolute") + "\">\n";
   text += "      <pose relative_to=\"" + parent + "\">" + SdfPose(body.parent_from_joint) +

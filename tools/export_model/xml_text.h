@@ -10,12 +10,14 @@
 
 namespace sinew::export_model {
 
-// As many digits as give the number back exactly; -0 is 0.
-inline std::string XmlNumber(double value) {
+// As many digits as give the number back exactly.
+inline std::string ShortNumber(double value) {
   std::array<char, 32> text;
-  const double plain = value == 0.0 ? 0.0 : value;
-  return {text.data(), std::to_chars(text.data(), text.data() + text.size(), plain).ptr};
+  return {text.data(), std::to_chars(text.data(), text.data() + text.size(), value).ptr};
 }
+
+// The same; -0 is 0.
+inline std::string XmlNumber(double value) { return ShortNumber(value == 0.0 ? 0.0 : value); }
 
 inline std::string XmlNumbers(std::initializer_list<double> values) {
   std::string out;

@@ -4,7 +4,7 @@
 
 #include "components/base/config/config.h"
 #include "components/base/types/json_text.h"
-#include "components/model/experiment/page.h"
+#include "components/model/experiment/result.h"
 #include "components/model/experiment/rows.h"
 #include "components/model/report/file/section_file.h"
 #include "tools/sinew/printed.h"
@@ -37,7 +37,7 @@ void PrintOutcome(const ExperimentOutcome& done) {
     const std::string label = q.name + (q.unit.empty() ? "" : ", " + q.unit);
     const auto met = q.has_interval ? q.Met() : std::nullopt;
     Print("  %-42s %12s %-27s %-10s %-10s %s\n", label.c_str(),
-          experiment::FormatEstimate(q).c_str(), experiment::FormatInterval(q).c_str(),
+          experiment::FormatValue(q.estimate.value).c_str(), experiment::FormatInterval(q).c_str(),
           q.published ? experiment::FormatValue(*q.published).c_str() : "-",
           q.truth ? experiment::FormatValue(*q.truth).c_str() : "-",
           met ? (*met ? (experiment::FormatTarget(q) + ": met").c_str()

@@ -62,9 +62,7 @@ double Cost(const Bench& bench, const control::PidConfig& pid, double best) {
     }
   }
   control::PidConfig harder = pid;
-  harder.proportional_Nm_rad *= kMargin;
-  harder.integral_Nm_rad_s *= kMargin;
-  harder.derivative_Nm_s_rad *= kMargin;
+  for (const tune::Gain& gain : tune::kGains) harder.*gain.of *= kMargin;
   for (const double payload_kg : {0.0, 0.5}) {
     const tune::ClosedLoopScore score = bench.Run(harder, 4.0, payload_kg, 80.0, 1);
     if (score.faulted || !(score.torque_change_rms_Nm < kSwing_Nm) ||

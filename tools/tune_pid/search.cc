@@ -43,9 +43,7 @@ std::vector<control::PidConfig> DrawStage(const SearchConfig& config, int stage,
       pid.integral_Nm_rad_s = draw(config.integral);
       pid.derivative_Nm_s_rad = draw(config.derivative);
     } else {
-      pid.proportional_Nm_rad *= draw(config.around_best);
-      pid.integral_Nm_rad_s *= draw(config.around_best);
-      pid.derivative_Nm_s_rad *= draw(config.around_best);
+      for (const Gain& gain : kGains) pid.*gain.of *= draw(config.around_best);
     }
   }
   return draws;

@@ -7,8 +7,10 @@
 // depend on the seed alone and not on the costs of their own stage.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <functional>
+#include <iterator>
 #include <optional>
 #include <vector>
 
@@ -22,6 +24,21 @@ inline constexpr double kDiscarded = HUGE_VAL;
 struct GainRange {
   double lower = 0.0, upper = 0.0;  // 0 < lower <= upper
 };
+
+// What is sought, and its key in files.
+struct Gain {
+  const char* key;
+  double control::PidConfig::*of;
+};
+inline constexpr Gain kGains[] = {
+    {"proportional_Nm_rad", &control::PidConfig::proportional_Nm_rad},
+    {"integral_Nm_rad_s", &control::PidConfig::integral_Nm_rad_s},
+    {"derivative_Nm_s_rad", &control::PidConfig::derivative_Nm_s_rad},
+};
+inline bool SameGains(const control::PidConfig& a, const control::PidConfig& b) {
+  return std::all_of(std::begin(kGains), std::end(kGains),
+                     [&](const Gain& gain) { return a.*gain.of == b.*gain.of; });
+}
 
 struct SearchConfig {
   int trials = 80;  // in each stage

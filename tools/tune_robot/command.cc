@@ -1,5 +1,4 @@
-#include "tools/tune_robot/command.h"
-
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
@@ -33,15 +32,11 @@ struct Options {
   bool json = false;
 };
 
-class Stopwatch {
- public:
-  double seconds() const {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
-  }
+using Clock = std::chrono::steady_clock;
 
- private:
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-};
+double SecondsSince(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
 
 // Refusals by the parts of a trial are the files' fault.
 template <class Work>
@@ -74,7 +69,7 @@ void TunePid(const Options& options) {
   file.search.threads = options.threads;
   if (options.trials) file.search.search.trials = *options.trials;
   if (options.seed) file.search.search.seed = *options.seed;
-  const Stopwatch watch;
+  const Clock::time_point start = Clock::now();
   std::optional<TrialTable> table;
   if (!options.out.empty()) {
     MakeFolder(options.out);
@@ -95,7 +90,7 @@ void TunePid(const Options& options) {
         [&bar](std::size_t done, std::size_t total) { bar.Update(done, total); });
   });
   bar.Finish();
-  const report::Section section = GainSection(result, watch.seconds());
+  const report::Section section = GainSection(result, SecondsSince(start));
   if (table) {
     table->Finish(result.trials);
     report::WriteSection(options.out, section);
@@ -122,14 +117,14 @@ void TunePressure(const Options& options) {
   PressureSweepConfig sweep = LoadPressureSweep(path).sweep;
   sweep.threads = options.threads;
   if (!options.out.empty()) MakeFolder(options.out);
-  const Stopwatch watch;
+  const Clock::time_point start = Clock::now();
   tools::ProgressBar bar("tune pressure", "pressures", 0);
   const std::vector<PressurePoint> points = WithFile(path, [&] {
     return SweepPressure(sweep,
                          [&bar](std::size_t done, std::size_t total) { bar.Update(done, total); });
   });
   bar.Finish();
-  const report::Section section = PressureSection(sweep, points, watch.seconds());
+  const report::Section section = PressureSection(sweep, points, SecondsSince(start));
   const std::string json = types::JsonText(PressureJson(sweep, points), 2) + "\n";
   if (!options.out.empty()) {
     report::WriteSection(options.out, section);

@@ -14,12 +14,6 @@ std::string NameOf(const GainTrial& trial) {
   return "trial " + std::to_string(trial.number) + " of stage " + std::to_string(trial.stage);
 }
 
-bool SameGains(const control::PidConfig& a, const control::PidConfig& b) {
-  return a.proportional_Nm_rad == b.proportional_Nm_rad &&
-         a.integral_Nm_rad_s == b.integral_Nm_rad_s &&
-         a.derivative_Nm_s_rad == b.derivative_Nm_s_rad;
-}
-
 // Takes over what is done of the stage; true: all of it is.
 bool TakeDone(const std::vector<GainTrial>& done, std::vector<GainTrial>* stage) {
   for (const GainTrial& known : done) {
@@ -45,9 +39,7 @@ std::vector<GainTrial> DrawnStage(const GainSearchConfig& config, int stage,
                                   const control::PidConfig& center) {
   std::vector<GainTrial> trials;
   for (control::PidConfig pid : DrawStage(config.search, stage, center)) {
-    pid.proportional_Nm_rad = Rounded(pid.proportional_Nm_rad);
-    pid.integral_Nm_rad_s = Rounded(pid.integral_Nm_rad_s);
-    pid.derivative_Nm_s_rad = Rounded(pid.derivative_Nm_s_rad);
+    for (const Gain& gain : kGains) pid.*gain.of = Rounded(pid.*gain.of);
     trials.push_back({stage, static_cast<int>(trials.size()), "", pid, std::nullopt});
   }
   return trials;

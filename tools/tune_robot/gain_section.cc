@@ -15,10 +15,8 @@ std::string GainBlock(const char* name, const std::vector<GainTrial>& trials, co
   std::string block = std::string("$") + name + " << EOD\n";
   for (const GainTrial& trial : trials) {
     if (!trial.score || !take(trial)) continue;
-    block += PictureNumber(trial.pid.proportional_Nm_rad) + " " +
-             PictureNumber(trial.pid.integral_Nm_rad_s) + " " +
-             PictureNumber(trial.pid.derivative_Nm_s_rad) + " " +
-             PictureNumber(trial.score->mse_rad2) + "\n";
+    for (const Gain& gain : kGains) block += PictureNumber(trial.pid.*gain.of) + " ";
+    block += PictureNumber(trial.score->mse_rad2) + "\n";
   }
   return block + "EOD\n";
 }
@@ -63,11 +61,11 @@ constexpr Axis kAxes[] = {{"Kp, N m/rad", 1}, {"Ki, N m/(rad s)", 2}, {"Kd, N m 
 
 // Three panels side by side; trials that fell are crosses along the top.
 report::Picture StageOne(const std::vector<GainTrial>& trials) {
-  report::Picture picture;
-  picture.title = "Error over each gain, stage 1 (Fig 6.17)";
-  picture.caption =
+  report::Picture picture = {
+      "Error over each gain, stage 1 (Fig 6.17)",
       "Every point is a trial of the whole benchmark. Crosses along the top: the robot fell or a "
-      "fault stopped it.";
+      "fault stopped it.",
+      ""};
   const auto first = [](bool stands) {
     return [stands](const GainTrial& t) { return t.stage == 1 && Stands(t) == stands; };
   };
@@ -98,28 +96,27 @@ report::Picture StageOne(const std::vector<GainTrial>& trials) {
 }
 
 report::Picture StageTwo(const GainSearchResult& result) {
-  report::Picture picture;
-  picture.title = "Error over all gains, stage 2 (Fig 6.18)";
-  picture.caption = "Draws around the best of stage 1. Best: " + GainsText(result.best->pid) +
-                    ", " + OutcomeText(*result.best) + ".";
   const GainTrial& best = *result.best;
   const ErrorRange range = ErrorsOf(result.trials, 2);  // gnuplot would take the heights in
-  picture.script =
-      report::PictureHead(520) +
-      "set xlabel 'Kp, N m/rad'\nset ylabel 'Ki, N m/(rad s)'\nset zlabel 'Kd, N m s/rad' rotate\n"
-      "set cblabel 'MSE, rad2'\nset logscale cb\nset format cb '%.0e'\nset ticslevel 0\nset view "
-      "62,38\n"
-      "set cbrange [" +
-      PictureNumber(range.least) + ":" + PictureNumber(1.01 * range.most) +
-      "]\n"
-      "set palette defined (0 '#1b7f9e', 1 '#c9a227', 2 '#b5525c')\n" +
-      GainBlock("trials", result.trials,
-                [](const GainTrial& t) { return t.stage == 2 && Stands(t); }) +
-      GainBlock("best", {best}, [](const GainTrial& t) { return Stands(t); }) +
-      "splot $trials using 1:2:3:4 with points pointtype 7 pointsize 0.8 palette notitle, "
-      "$best using 1:2:3 with points pointtype 6 pointsize 2.2 linewidth 2 linecolor rgb "
-      "'#333333' title 'best'\n";
-  return picture;
+  return {"Error over all gains, stage 2 (Fig 6.18)",
+          "Draws around the best of stage 1. Best: " + GainsText(best.pid) + ", " +
+              OutcomeText(best) + ".",
+          report::PictureHead(520) +
+              "set xlabel 'Kp, N m/rad'\nset ylabel 'Ki, N m/(rad s)'\nset zlabel 'Kd, N m s/rad' "
+              "rotate\n"
+              "set cblabel 'MSE, rad2'\nset logscale cb\nset format cb '%.0e'\nset ticslevel "
+              "0\nset view "
+              "62,38\n"
+              "set cbrange [" +
+              PictureNumber(range.least) + ":" + PictureNumber(1.01 * range.most) +
+              "]\n"
+              "set palette defined (0 '#1b7f9e', 1 '#c9a227', 2 '#b5525c')\n" +
+              GainBlock("trials", result.trials,
+                        [](const GainTrial& t) { return t.stage == 2 && Stands(t); }) +
+              GainBlock("best", {best}, [](const GainTrial& t) { return Stands(t); }) +
+              "splot $trials using 1:2:3:4 with points pointtype 7 pointsize 0.8 palette notitle, "
+              "$best using 1:2:3 with points pointtype 6 pointsize 2.2 linewidth 2 linecolor rgb "
+              "'#333333' title 'best'\n"};
 }
 
 int Count(const GainSearchResult& result, int stage, bool stands) {
@@ -137,9 +134,8 @@ std::vector<report::Picture> GainPictures(const GainSearchResult& result) {
 }
 
 report::Section GainSection(const GainSearchResult& result, double seconds) {
-  report::Section section;
-  section.id = "tune-pid";
-  section.title = "PID gains by two-stage random search (Algorithm 2)";
+  report::Section section = {.id = "tune-pid",
+                             .title = "PID gains by two-stage random search (Algorithm 2)"};
   section.paragraphs = {
       "Every trial is the whole benchmark on the robot in simulation, with reference and control "
       "of "
@@ -147,22 +143,20 @@ report::Section GainSection(const GainSearchResult& result, double seconds) {
       report::Text("Stage 1: %d trials stood, %d fell. Stage 2: %d stood, %d fell.",
                    Count(result, 1, true), Count(result, 1, false), Count(result, 2, true),
                    Count(result, 2, false))};
-  report::Table table;
-  table.title = "Gains";
-  table.header = {"",        "Kp, N m/rad",      "Ki, N m/(rad s)",       "Kd, N m s/rad",
-                  "outcome", "worst error, rad", "motor torque rms, N m", "its change a tick, rms"};
-  const auto row = [&table](const std::string& name, const GainTrial& trial) {
+  section.tables = {
+      {.title = "Gains",
+       .header = {"", "Kp, N m/rad", "Ki, N m/(rad s)", "Kd, N m s/rad", "outcome",
+                  "worst error, rad", "motor torque rms, N m", "its change a tick, rms"}}};
+  const auto row = [&section](const std::string& name, const GainTrial& trial) {
     const ClosedLoopScore score = trial.score.value_or(ClosedLoopScore{});
-    table.rows.push_back({name, Short(trial.pid.proportional_Nm_rad),
-                          Short(trial.pid.integral_Nm_rad_s), Short(trial.pid.derivative_Nm_s_rad),
-                          OutcomeText(trial), Short(score.worst_rad), Short(score.torque_rms_Nm),
-                          Short(score.torque_change_rms_Nm)});
+    section.Add({name, Short(trial.pid.proportional_Nm_rad), Short(trial.pid.integral_Nm_rad_s),
+                 Short(trial.pid.derivative_Nm_s_rad), OutcomeText(trial), Short(score.worst_rad),
+                 Short(score.torque_rms_Nm), Short(score.torque_change_rms_Nm)});
   };
   for (const GainTrial& trial : result.trials) {
     if (trial.stage == 0) row(trial.name, trial);
   }
   if (result.best) row("best", *result.best);
-  section.tables.push_back(table);
   section.pictures = GainPictures(result);
   section.seconds = seconds;
   return section;
@@ -171,12 +165,11 @@ report::Section GainSection(const GainSearchResult& result, double seconds) {
 nlohmann::ordered_json GainJson(const GainSearchResult& result) {
   const auto outcome = [](const GainTrial& trial) {
     const ClosedLoopScore score = trial.score.value_or(ClosedLoopScore{});
-    nlohmann::ordered_json json = {{"proportional_Nm_rad", trial.pid.proportional_Nm_rad},
-                                   {"integral_Nm_rad_s", trial.pid.integral_Nm_rad_s},
-                                   {"derivative_Nm_s_rad", trial.pid.derivative_Nm_s_rad},
-                                   {"mse_rad2", nullptr},
-                                   {"fell_at_s", nullptr},
-                                   {"faulted", score.faulted}};
+    nlohmann::ordered_json json;
+    for (const Gain& gain : kGains) json[gain.key] = trial.pid.*gain.of;
+    json["mse_rad2"] = nullptr;
+    json["fell_at_s"] = nullptr;
+    json["faulted"] = score.faulted;
     if (Stands(trial)) json["mse_rad2"] = score.mse_rad2;
     if (score.fell_at_s) json["fell_at_s"] = *score.fell_at_s;
     return json;

@@ -73,8 +73,7 @@ void AddLines(const std::vector<PressurePoint>& points, const std::string& name,
   report::Series curve = {name, colour, {}, {}, "linespoints pt 7 ps 0.7 lw 2"};
   for (const PressurePoint& point : points) {
     if (!point.pressure_bar || !point.stands()) continue;
-    curve.x.push_back(*point.pressure_bar);
-    curve.y.push_back(figure(point));
+    curve.Add(*point.pressure_bar, figure(point));
   }
   if (points.front().stands() && !curve.x.empty()) {
     const double rigid = figure(points.front());
@@ -125,9 +124,8 @@ std::string OutcomeOf(const PressurePoint& point) {
 
 report::Section PressureSection(const PressureSweepConfig& config,
                                 const std::vector<PressurePoint>& points, double seconds) {
-  report::Section section;
-  section.id = "tune-pressure";
-  section.title = "Pneumatic elements against rigid actuators";
+  report::Section section = {.id = "tune-pressure",
+                             .title = "Pneumatic elements against rigid actuators"};
   const PressurePoint* best = BestPressure(points);
   section.paragraphs = {
       best == nullptr ? "The robot stands at none of the pressures."
@@ -136,9 +134,9 @@ report::Section PressureSection(const PressureSweepConfig& config,
       "Energies from the first tick on, of all joints, as sinew-performance computes them; the air "
       "that compressor and leak cost is in none of them."};
   const std::vector<PeakGroup> groups = PeakGroups(config);
-  report::Table table;
-  table.title = "The motion at each pressure";
-  table.header = {"pressure, bar", "MSE, rad2", "positive work, J", "net work, J", "electrical, J"};
+  report::Table table = {
+      .title = "The motion at each pressure",
+      .header = {"pressure, bar", "MSE, rad2", "positive work, J", "net work, J", "electrical, J"}};
   for (const PeakGroup& group : groups) table.header.push_back("peak " + group.name + ", N m");
   for (const PressurePoint& point : points) {
     const performance::RobotPerformanceOutput& of = point.trial.performance;

@@ -88,13 +88,7 @@ RobotTrialResult RunRobotTrial(const RobotTrialConfig& config) {
   world::FloatingRobot robot(config.robot);
   CheckTrial(config, robot.joint_count());
   Meter meter(config, robot);
-  ClosedLoopConfig loop;
-  loop.control = config.control;
-  loop.reference = config.reference;
-  loop.pneumatics = config.pneumatics;
-  loop.rate_Hz = config.rate_Hz;
-  loop.delay_ticks = config.delay_ticks;
-  loop.duration_s = config.duration_s;
+  ClosedLoopConfig loop = config;
   loop.scored_joints.resize(static_cast<std::size_t>(robot.joint_count()));
   std::iota(loop.scored_joints.begin(), loop.scored_joints.end(), 0);
   loop.each_tick = [&meter](double time_s, const provider::PlantSensors& sensors) {

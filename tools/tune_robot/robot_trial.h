@@ -14,15 +14,10 @@
 
 namespace sinew::tune {
 
-struct RobotTrialConfig {
+// control: a joint each, in the model's order; all joints are scored, in all ticks.
+struct RobotTrialConfig : ClosedLoopConfig {
   world::FloatingRobotConfig robot;
-  std::vector<control::JointControlConfig> control;  // a joint each, in the model's order
-  reference::RobotReferenceConfig reference;
-  std::vector<pneumatics::ManagerConfig> pneumatics;  // empty: relays stay off
   performance::PerformanceConfig performance;
-  double rate_Hz = 240.0;
-  int delay_ticks = 0;      // a command acts this much later: slow buses
-  double duration_s = 0.0;  // from arming
   FallLimits fall;
 };
 

@@ -23,21 +23,25 @@ Json HeadJson(const TableHead& head) {
           {"inputs", head.inputs}};
 }
 
+struct ScoreField {
+  const char* key;
+  double ClosedLoopScore::*of;
+};
+constexpr ScoreField kScore[] = {
+    {"mse_rad2", &ClosedLoopScore::mse_rad2},
+    {"worst_rad", &ClosedLoopScore::worst_rad},
+    {"torque_rms_Nm", &ClosedLoopScore::torque_rms_Nm},
+    {"torque_change_rms_Nm", &ClosedLoopScore::torque_change_rms_Nm},
+    {"saturated_share", &ClosedLoopScore::saturated_share},
+};
+
 std::string LineOf(const GainTrial& trial) {
   const ClosedLoopScore& score = trial.score.value();
-  Json json = {{"stage", trial.stage},
-               {"trial", trial.number},
-               {"name", trial.name},
-               {"proportional_Nm_rad", trial.pid.proportional_Nm_rad},
-               {"integral_Nm_rad_s", trial.pid.integral_Nm_rad_s},
-               {"derivative_Nm_s_rad", trial.pid.derivative_Nm_s_rad},
-               {"mse_rad2", score.mse_rad2},
-               {"worst_rad", score.worst_rad},
-               {"torque_rms_Nm", score.torque_rms_Nm},
-               {"torque_change_rms_Nm", score.torque_change_rms_Nm},
-               {"saturated_share", score.saturated_share},
-               {"faulted", score.faulted},
-               {"fell_at_s", nullptr}};
+  Json json = {{"stage", trial.stage}, {"trial", trial.number}, {"name", trial.name}};
+  for (const Gain& gain : kGains) json[gain.key] = trial.pid.*gain.of;
+  for (const ScoreField& field : kScore) json[field.key] = score.*field.of;
+  json["faulted"] = score.faulted;
+  json["fell_at_s"] = nullptr;
   if (score.fell_at_s) json["fell_at_s"] = *score.fell_at_s;
   return types::JsonText(json) + "\n";
 }
@@ -47,15 +51,9 @@ GainTrial TrialOf(const Json& json) {
   trial.stage = json.at("stage").get<int>();
   trial.number = json.at("trial").get<int>();
   trial.name = json.at("name").get<std::string>();
-  trial.pid.proportional_Nm_rad = json.at("proportional_Nm_rad").get<double>();
-  trial.pid.integral_Nm_rad_s = json.at("integral_Nm_rad_s").get<double>();
-  trial.pid.derivative_Nm_s_rad = json.at("derivative_Nm_s_rad").get<double>();
+  for (const Gain& gain : kGains) trial.pid.*gain.of = json.at(gain.key).get<double>();
   ClosedLoopScore score;
-  score.mse_rad2 = json.at("mse_rad2").get<double>();
-  score.worst_rad = json.at("worst_rad").get<double>();
-  score.torque_rms_Nm = json.at("torque_rms_Nm").get<double>();
-  score.torque_change_rms_Nm = json.at("torque_change_rms_Nm").get<double>();
-  score.saturated_share = json.at("saturated_share").get<double>();
+  for (const ScoreField& field : kScore) score.*field.of = json.at(field.key).get<double>();
   score.faulted = json.at("faulted").get<bool>();
   if (!json.at("fell_at_s").is_null()) score.fell_at_s = json.at("fell_at_s").get<double>();
   trial.score = score;

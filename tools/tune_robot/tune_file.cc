@@ -196,9 +196,8 @@ std::string ControlText(const std::filesystem::path& control, const control::Pid
                         const std::filesystem::path& folder, const std::string& comment) {
   std::string text = config::ReadFile(control);
   while (!text.empty() && text.front() == '#') text.erase(0, text.find('\n') + 1);
-  if (!ReplaceNumber("proportional_Nm_rad", pid.proportional_Nm_rad, &text) ||
-      !ReplaceNumber("integral_Nm_rad_s", pid.integral_Nm_rad_s, &text) ||
-      !ReplaceNumber("derivative_Nm_s_rad", pid.derivative_Nm_s_rad, &text)) {
+  for (const Gain& gain : kGains) {
+    if (ReplaceNumber(gain.key, pid.*gain.of, &text)) continue;
     throw UsageError(control.string() +
                      ": a gain is left out, expected proportional_Nm_rad, integral_Nm_rad_s and "
                      "derivative_Nm_s_rad");
@@ -211,11 +210,7 @@ std::string ControlText(const std::filesystem::path& control, const control::Pid
   const control::ControlConfig read =
       config::Read<control::ControlConfig>(Section::Parse(text, name, "sinew-control/1"));
   for (const control::JointControlConfig& joint : read.joints) {
-    if (joint.pid.proportional_Nm_rad == pid.proportional_Nm_rad &&
-        joint.pid.integral_Nm_rad_s == pid.integral_Nm_rad_s &&
-        joint.pid.derivative_Nm_s_rad == pid.derivative_Nm_s_rad) {
-      continue;
-    }
+    if (SameGains(joint.pid, pid)) continue;
     throw UsageError(control.string() + ": its gains could not be replaced");
   }
   return text;

@@ -7,6 +7,7 @@
 
 #include "components/base/config/config.h"
 #include "components/base/types/control_mode.h"
+#include "components/base/types/joined.h"
 #include "components/base/types/json_text.h"
 #include "components/bodies/links/file/urdf_file.h"
 #include "components/model/report/report.h"
@@ -135,28 +136,23 @@ TrackingRun Track(const TrackingSetup& setup, std::uint64_t seed) {
 report::Section MakeSection(const Names& names, types::JointKind kind,
                             const free_run::FreeRunResult* following,
                             const std::vector<TrackingRun>& tracking) {
-  report::Section section;
-  section.id = "verify";
-  section.title = "The corrected model where it is used";
-  std::string added;
-  for (const std::string& effect : names.added) added += (added.empty() ? "" : ", ") + effect;
+  report::Section section = {.id = "verify", .title = "The corrected model where it is used"};
+  const std::string added = types::Joined(names.added);
   section.paragraphs.push_back(
       "Before: " + names.before + ". After: " + names.after +
       (added.empty() ? ", which has no added effect." : ", with " + added + "."));
   const std::string unit = Angle(kind);
   const auto compare = [&](const std::string& name, double before, double after,
                            const std::string& remark) {
-    report::Comparison c;
-    c.name = name;
-    c.unit = unit;
     const auto text = [](double error) {
       return std::isfinite(error) ? Text("%.3f", 1e3 * error) : std::string("diverged");
     };
-    c.ours = text(before) + " -> " + text(after) + " " + unit;
-    c.target = "smaller after";
-    c.met = std::isfinite(after) && !(after >= before);
-    c.remark = remark;
-    section.comparisons.push_back(std::move(c));
+    section.comparisons.push_back({.name = name,
+                                   .unit = unit,
+                                   .ours = text(before) + " -> " + text(after) + " " + unit,
+                                   .target = "smaller after",
+                                   .met = std::isfinite(after) && !(after >= before),
+                                   .remark = remark});
   };
   if (following != nullptr && following->errors) {
     const free_run::FreeRun& free = *following->errors;
@@ -173,19 +169,17 @@ report::Section MakeSection(const Names& names, types::JointKind kind,
     compare("simulated less measured, rms", before.rms, after.rms,
             "samples that both models reached");
     compare("simulated less measured, mean magnitude", before.mean_abs, after.mean_abs, "");
-    report::Table table;
-    table.title = "Simulated beside the recordings";
-    table.caption =
-        closed ? "A piece is a stretch of the recording without a gap." : "A piece is a horizon.";
-    table.header = {"recording",           "pieces", "diverged before", "after",
-                    "rms before, " + unit, "after"};
+    section.tables.push_back(
+        {.title = "Simulated beside the recordings",
+         .caption = closed ? "A piece is a stretch of the recording without a gap."
+                           : "A piece is a horizon.",
+         .header = {"recording", "pieces", "diverged before", "after", "rms before, " + unit,
+                    "after"}});
     for (std::size_t r = 0; r < before.runs.size(); ++r) {
-      table.rows.push_back(
-          {before.runs[r].run, std::to_string(before.runs[r].pieces),
-           std::to_string(before.runs[r].diverged), std::to_string(after.runs[r].diverged),
-           Text("%.3f", 1e3 * before.runs[r].rms), Text("%.3f", 1e3 * after.runs[r].rms)});
+      section.Add({before.runs[r].run, std::to_string(before.runs[r].pieces),
+                   std::to_string(before.runs[r].diverged), std::to_string(after.runs[r].diverged),
+                   Text("%.3f", 1e3 * before.runs[r].rms), Text("%.3f", 1e3 * after.runs[r].rms)});
     }
-    section.tables.push_back(table);
     if (!following->traces.empty())
       section.pictures.push_back(report::PathPicture(*following, kind, 0, 1));
   }
@@ -196,17 +190,16 @@ report::Section MakeSection(const Names& names, types::JointKind kind,
         names.effects + ".");
     compare("tracking error in control, rms", Mean(tracking, false), Mean(tracking, true),
             std::to_string(tracking.size()) + " seeds");
-    report::Table table;
-    table.title = "Tracking error in control";
-    table.caption = "Reference less measured position, without the soft start.";
-    table.header = {"seed", "rms before, " + unit, "after", "largest before, " + unit, "after"};
+    section.tables.push_back(
+        {.title = "Tracking error in control",
+         .caption = "Reference less measured position, without the soft start.",
+         .header = {"seed", "rms before, " + unit, "after", "largest before, " + unit, "after"}});
     for (const TrackingRun& run : tracking) {
-      table.rows.push_back(
-          {std::to_string(run.seed), Text("%.3f", 1e3 * std::sqrt(run.before.mse_rad2)),
-           Text("%.3f", 1e3 * std::sqrt(run.after.mse_rad2)),
-           Text("%.3f", 1e3 * run.before.worst_rad), Text("%.3f", 1e3 * run.after.worst_rad)});
+      section.Add({std::to_string(run.seed), Text("%.3f", 1e3 * std::sqrt(run.before.mse_rad2)),
+                   Text("%.3f", 1e3 * std::sqrt(run.after.mse_rad2)),
+                   Text("%.3f", 1e3 * run.before.worst_rad),
+                   Text("%.3f", 1e3 * run.after.worst_rad)});
     }
-    section.tables.push_back(table);
   }
   return section;
 }
@@ -221,26 +214,22 @@ std::string FormatJson(const Names& names, types::JointKind kind,
     const free_run::FreeRun& free = *following->errors;
     const free_run::ModelError &before = free.models[0], &after = free.models[1];
     // rms and mean_abs are null for a model that diverged.
-    const auto all = [](const free_run::ModelError& model) {
-      return ordered_json{
-          {"rms", model.rms}, {"mean_abs", model.mean_abs}, {"diverged", model.diverged}};
+    const auto errors = [](const auto& of) {
+      return ordered_json{{"rms", of.rms}, {"mean_abs", of.mean_abs}, {"diverged", of.diverged}};
     };
     ordered_json runs = ordered_json::array();
     for (std::size_t r = 0; r < before.runs.size(); ++r) {
-      const auto one = [](const free_run::RunError& e) {
-        return ordered_json{{"rms", e.rms}, {"mean_abs", e.mean_abs}, {"diverged", e.diverged}};
-      };
       runs.push_back({{"recording", before.runs[r].run},
                       {"pieces", before.runs[r].pieces},
-                      {"before", one(before.runs[r])},
-                      {"after", one(after.runs[r])}});
+                      {"before", errors(before.runs[r])},
+                      {"after", errors(after.runs[r])}});
     }
     root["simulation"] = {
         {"method", free.method == free_run::Method::kClosedLoop ? "closed_loop" : "horizons"},
         {"horizon_s", free.horizon_s},
         {"unit", unit},
-        {"before", all(before)},
-        {"after", all(after)},
+        {"before", errors(before)},
+        {"after", errors(after)},
         {"recordings", runs}};
   }
   if (!tracking.empty()) {

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "components/base/types/joints.h"
+#include "components/base/types/require.h"
 #include "components/base/types/state_archive.h"
 
 namespace sinew::esn {
@@ -33,12 +34,6 @@ double SmoothTorque(const actuator::JointModel& model, const effects::JointSampl
                 (1.0 + share) * TorqueAt(model, x, smoothing_rad_s, memory));
 }
 
-void CheckGain(const char* name, double gain) {
-  if (gain >= 0.0 && std::isfinite(gain)) return;
-  throw std::invalid_argument(std::string(name) + ": " + std::to_string(gain) +
-                              ", expected 0 or more");
-}
-
 }  // namespace
 
 bool InverseDynamics::Motion::finite() const noexcept {
@@ -55,12 +50,9 @@ InverseDynamics::InverseDynamics(const InverseDynamicsConfig& config)
     throw std::invalid_argument("model " + robot.name + ": " + std::to_string(robot.joints.size()) +
                                 " joints, expected 1 .. " + std::to_string(types::kMaxJoints));
   }
-  if (!(smoothing_rad_s_ > 0.0) || !std::isfinite(smoothing_rad_s_)) {
-    throw std::invalid_argument("smoothing_rad_s: " + std::to_string(smoothing_rad_s_) +
-                                ", expected above 0");
-  }
-  CheckGain("proportional_1_s2", proportional_1_s2_);
-  CheckGain("derivative_1_s", derivative_1_s_);
+  types::Require(smoothing_rad_s_ > 0.0, "smoothing_rad_s", smoothing_rad_s_, "above 0");
+  types::Require(proportional_1_s2_ >= 0.0, "proportional_1_s2", proportional_1_s2_, "0 or more");
+  types::Require(derivative_1_s_ >= 0.0, "derivative_1_s", derivative_1_s_, "0 or more");
   for (const actuator::JointModel& model : robot.joints) joints_.emplace_back().model = model;
   if (config.stance) AddStance(*config.stance);
   for (Joint& joint : joints_) {

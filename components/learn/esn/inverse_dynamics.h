@@ -67,9 +67,7 @@ class InverseDynamics {
   // such joint leaves none valid. Signals that the robot does not measure count as 0 (temperature:
   // 25 degrees).
   Prediction Step(const Frame& frame, double period_s) noexcept;
-  // Exchanges all that Step needs beside its input, to the bit: types/state_archive.h. Reading,
-  // throws std::invalid_argument.
-  void Exchange(types::StateArchive& archive);
+  void Exchange(types::StateArchive& archive);  // types/state_archive.h
 
   int joint_count() const noexcept { return static_cast<int>(joints_.size()); }
   // Solution of the last Step; null without a stance.

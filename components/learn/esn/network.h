@@ -68,9 +68,7 @@ class Network {
     return features_.segment(1 + inputs_, neurons_);
   }
   void SetState(const Eigen::Ref<const Eigen::VectorXd>& state) noexcept;
-  // Exchanges all that Step needs beside its input, to the bit: types/state_archive.h. Reading,
-  // throws std::invalid_argument.
-  void Exchange(types::StateArchive& archive);
+  void Exchange(types::StateArchive& archive);  // types/state_archive.h
 
   int input_count() const noexcept { return inputs_; }
   int output_count() const noexcept { return static_cast<int>(readout_.rows()); }

@@ -50,9 +50,7 @@ class Predictor {
   // False, and nothing changes: no such network, wrong shape, not finite.
   [[nodiscard]] bool SetReadout(Which which, std::uint64_t version,
                                 const Eigen::Ref<const Eigen::MatrixXd>& readout) noexcept;
-  // Exchanges all that Step needs beside its input, to the bit: types/state_archive.h. Reading,
-  // throws std::invalid_argument.
-  void Exchange(types::StateArchive& archive);
+  void Exchange(types::StateArchive& archive);  // types/state_archive.h
 
   bool has(Which which) const noexcept { return slots_[Index(which)].has_value(); }
   bool needs_regime() const noexcept { return needs_regime_; }

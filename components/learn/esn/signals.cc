@@ -2,6 +2,10 @@
 
 #include <cmath>
 #include <limits>
+#include <string>
+#include <vector>
+
+#include "components/base/types/joined.h"
 
 namespace sinew::esn {
 namespace {
@@ -28,11 +32,9 @@ std::optional<Signal> SignalFromName(std::string_view name) {
 }
 
 std::string_view SignalNames() {
-  return "reference_position_rad, reference_velocity_rad_s, reference_acceleration_rad_s2, "
-         "position_rad, "
-         "velocity_rad_s, motor_velocity_rad_s, chamber_pressure_bar, play_angle_rad, "
-         "load_force_N, "
-         "declared_payload_kg, motor_temperature_degC, reference_direction_1";
+  static const std::string kAll =
+      types::Joined(std::vector<std::string>(kNames.begin(), kNames.end()));
+  return kAll;
 }
 
 void Frame::Clear() noexcept {

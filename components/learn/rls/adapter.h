@@ -54,9 +54,7 @@ class Adapter {
                            const Eigen::Ref<const Eigen::MatrixXd>& readout) noexcept;
 
   Frozen Step(const Observation& observation) noexcept;
-  // Exchanges all that Step needs beside its input, to the bit: types/state_archive.h. Reading,
-  // throws std::invalid_argument.
-  void Exchange(types::StateArchive& archive);
+  void Exchange(types::StateArchive& archive);  // types/state_archive.h
 
   // The network of the last usable sample; at the start one that is there.
   int network() const noexcept { return network_; }

@@ -25,6 +25,14 @@ double DirectionalNoise(double forgetting, double spread) noexcept {
                                               : kBoundless;
 }
 
+// Into rows that are `stride` apart.
+void Spread(const Eigen::Ref<const Eigen::MatrixXd>& readout, int stride,
+            std::vector<double>* rows) noexcept {
+  using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  Eigen::Map<RowMajor, Eigen::Unaligned, Eigen::OuterStride<>>(
+      rows->data(), readout.rows(), readout.cols(), Eigen::OuterStride<>(stride)) = readout;
+}
+
 // Also where a value is not a number.
 template <class Derived>
 bool Takes(const Eigen::MatrixBase<Derived>& values) noexcept {
@@ -66,12 +74,7 @@ RecursiveLeastSquares::RecursiveLeastSquares(const Config& config,
   f_.assign(stride, 0.0);
   gain_.assign(stride, 0.0);
   offline_.assign(stride * static_cast<std::size_t>(outputs_), 0.0);
-  for (int o = 0; o < outputs_; ++o) {
-    for (int i = 0; i < size_; ++i) {
-      offline_[static_cast<std::size_t>(o) * stride + static_cast<std::size_t>(i)] =
-          offline_readout(o, i);
-    }
-  }
+  Spread(offline_readout, stride_, &offline_);
   weight_ = offline_;
   innovation_ = error_ = Eigen::VectorXd::Zero(outputs_);
   Reset();
@@ -94,12 +97,7 @@ void RecursiveLeastSquares::Reset() noexcept {
 
 bool RecursiveLeastSquares::SetReadout(const Eigen::Ref<const Eigen::MatrixXd>& readout) noexcept {
   if (readout.rows() != outputs_ || readout.cols() != size_ || !Takes(readout)) return false;
-  for (int o = 0; o < outputs_; ++o) {
-    for (int i = 0; i < size_; ++i) {
-      weight_[static_cast<std::size_t>(o) * static_cast<std::size_t>(stride_) +
-              static_cast<std::size_t>(i)] = readout(o, i);
-    }
-  }
+  Spread(readout, stride_, &weight_);
   return true;
 }
 

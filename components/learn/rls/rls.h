@@ -101,9 +101,7 @@ class RecursiveLeastSquares {
   // O(features^2).
   double CovarianceTrace() const noexcept;
   Eigen::MatrixXd Covariance() const;
-  // Exchanges all that Step needs beside its input, to the bit: types/state_archive.h. Reading,
-  // throws std::invalid_argument.
-  void Exchange(types::StateArchive& archive);
+  void Exchange(types::StateArchive& archive);  // types/state_archive.h
 
   int feature_count() const noexcept { return size_; }
   int output_count() const noexcept { return outputs_; }

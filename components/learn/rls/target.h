@@ -82,9 +82,7 @@ class TargetEquation {
   };
   // Nothing: no whole window yet, or something in it was not usable. Valid until the next call.
   std::optional<Sample> Push(const TickData& data) noexcept;
-  // Exchanges all that Step needs beside its input, to the bit: types/state_archive.h. Reading,
-  // throws std::invalid_argument.
-  void Exchange(types::StateArchive& archive);
+  void Exchange(types::StateArchive& archive);  // types/state_archive.h
 
  private:
   struct Network {

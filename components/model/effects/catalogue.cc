@@ -2,12 +2,13 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "components/base/types/joined.h"
 #include "components/model/effects/define.h"
 #include "components/model/effects/effect.h"
 
-#define SINEW_EFFECT(name, balance, space)               \
-  namespace sinew::effects::space {                      \
-  std::unique_ptr<Effect> Make(const JointConstants& c); \
+#define SINEW_EFFECT(name, balance, space)                                \
+  namespace sinew::effects::space {                                       \
+  std::unique_ptr<Effect> Make(EffectInfo info, const JointConstants& c); \
   }
 #include "effect_list.inc"
 #undef SINEW_EFFECT
@@ -16,7 +17,7 @@ namespace sinew::effects {
 
 namespace {
 
-using Maker = std::unique_ptr<Effect> (*)(const JointConstants&);
+using Maker = std::unique_ptr<Effect> (*)(EffectInfo, const JointConstants&);
 
 struct Entry {
   std::string_view name;
@@ -33,9 +34,7 @@ constexpr Entry kCatalogue[] = {
 class MemorylessEffect final : public Effect {
  public:
   MemorylessEffect(const JointConstants& constants, EffectInfo info, RegressorFunction regressors)
-      : constants_(constants), info_(std::move(info)), regressors_(regressors) {}
-
-  const EffectInfo& info() const override { return info_; }
+      : Effect(std::move(info)), constants_(constants), regressors_(regressors) {}
 
   void Regressors(const JointSample& x, std::span<const double> psi,
                   std::span<const double> /*memory*/,
@@ -45,14 +44,13 @@ class MemorylessEffect final : public Effect {
 
  private:
   JointConstants constants_;
-  EffectInfo info_;
   RegressorFunction regressors_;
 };
 
 }  // namespace
 
-std::unique_ptr<Effect> Memoryless(const JointConstants& constants, EffectInfo info,
-                                   RegressorFunction regressors) {
+std::unique_ptr<Effect> MakeMemoryless(const JointConstants& constants, EffectInfo info,
+                                       RegressorFunction regressors) {
   return std::make_unique<MemorylessEffect>(constants, std::move(info), regressors);
 }
 
@@ -61,7 +59,12 @@ std::unique_ptr<Effect> MakeEffect(std::string_view name, const JointConstants& 
   std::string forms;
   for (const Entry& entry : kCatalogue) {
     if (entry.name != name) continue;
-    if (!balance || entry.balance == *balance) return entry.make(constants);
+    if (!balance || entry.balance == *balance) {
+      EffectInfo info;
+      info.name = name;
+      info.balance = entry.balance;
+      return entry.make(std::move(info), constants);
+    }
     if (!forms.empty()) forms += ", ";
     forms += BalanceName(entry.balance);
   }
@@ -69,12 +72,8 @@ std::unique_ptr<Effect> MakeEffect(std::string_view name, const JointConstants& 
     throw std::invalid_argument("effect '" + std::string(name) + "' has no form in the " +
                                 std::string(BalanceName(*balance)) + " balance, it has: " + forms);
   }
-  std::string known;
-  for (const std::string& other : EffectNames()) {
-    if (!known.empty()) known += ", ";
-    known += other;
-  }
-  throw std::invalid_argument("unknown effect '" + std::string(name) + "', known: " + known);
+  throw std::invalid_argument("unknown effect '" + std::string(name) +
+                              "', known: " + types::Joined(EffectNames()));
 }
 
 std::vector<EffectForm> EffectForms() {

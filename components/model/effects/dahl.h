@@ -16,7 +16,7 @@ namespace sinew::effects {
 
 class Dahl : public Effect {
  public:
-  const EffectInfo& info() const override { return info_; }
+  using Effect::Effect;
 
   int memory_size() const noexcept override { return 2; }
 
@@ -33,9 +33,6 @@ class Dahl : public Effect {
     if (s != 0.0) memory[0] = s + (memory[0] - s) * std::exp(-std::abs(stroke) / psi[0]);
     memory[1] = x.position_rad;
   }
-
- protected:
-  EffectInfo info_;
 };
 
 }  // namespace sinew::effects

@@ -22,6 +22,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "components/base/types/joint_kind.h"
@@ -133,8 +134,8 @@ struct EffectInfo {
   bool event = false;
   std::vector<ParameterInfo> linear;
   std::vector<ParameterInfo> nonlinear;
-  std::string signature;                 // what its residual looks like
-  std::string variable;                  // the signal its residual follows, e.g. "velocity_rad_s"
+  std::string signature;  // what its residual looks like
+  std::string variable;   // the signal its residual follows; left empty: the first that it needs
   std::vector<std::string> confounders;  // names of effects it is easily mistaken for
   std::string separating_excitation;     // distinguishes it from them
   std::vector<std::string> needs;        // signals it reads, field names of JointSample
@@ -144,8 +145,11 @@ struct EffectInfo {
 
 class Effect {
  public:
+  explicit Effect(EffectInfo info) : info_(std::move(info)) {
+    if (info_.variable.empty() && !info_.needs.empty()) info_.variable = info_.needs.front();
+  }
   virtual ~Effect() = default;
-  virtual const EffectInfo& info() const = 0;
+  const EffectInfo& info() const { return info_; }
 
   // phi (size info().linear.size()) at x; psi has info().nonlinear.size() entries, memory
   // memory_size(). noexcept, allocates nothing. Non-finite input gives non-finite output, never
@@ -159,6 +163,9 @@ class Effect {
   // Advances the memory from the sample before to x, dt_s later.
   virtual void Advance(const JointSample& /*x*/, double /*dt_s*/, std::span<const double> /*psi*/,
                        std::span<double> /*memory*/) const noexcept {}
+
+ private:
+  EffectInfo info_;
 };
 
 // An effect may have a form in more than one balance (a compliant gear shows in the torque at high

@@ -1,94 +1,74 @@
+#include <iterator>
+
 #include "components/model/effects/effect.h"
 
 namespace sinew::effects {
 
+namespace {
+
+// In the order of their enumerations.
+struct Suffix {
+  Dimension dimension;
+  std::string_view rotary, linear;
+};
+constexpr Suffix kSuffixes[] = {
+    {Dimension::kNone, "", ""},
+    {Dimension::kTorque, "Nm", "N"},
+    {Dimension::kViscous, "Nm_s_rad", "N_s_m"},
+    {Dimension::kQuadraticViscous, "Nm_s2_rad2", "N_s2_m2"},
+    {Dimension::kInertia, "kg_m2", "kg"},
+    {Dimension::kAngle, "rad", "m"},
+    {Dimension::kVelocity, "rad_s", "m_s"},
+    {Dimension::kFrequency, "Hz", "Hz"},
+    {Dimension::kTime, "s", "s"},
+    {Dimension::kMass, "kg", "kg"},
+    {Dimension::kTorquePerBar, "Nm_bar", "N_bar"},
+    {Dimension::kStiffness, "Nm_rad", "N_m"},
+    {Dimension::kStiffnessPerBar, "Nm_rad_bar", "N_m_bar"},
+    {Dimension::kTorquePerKelvin, "Nm_K", "N_K"},
+    {Dimension::kTorquePerAmpere, "Nm_A", "N_A"},
+    {Dimension::kTorquePerVolt, "Nm_V", "N_V"},
+    {Dimension::kInertiaTime, "kg_m2_s", "kg_s"},
+    {Dimension::kPressure, "bar", "bar"},
+    {Dimension::kTemperature, "degC", "degC"},
+    {Dimension::kLength, "m", "m"},
+    {Dimension::kPerTorque, "per_Nm", "per_N"},
+    {Dimension::kCurrent, "A", "A"},
+    {Dimension::kPerCurrentSquared, "per_A2", "per_A2"},
+    {Dimension::kViscousPerKelvin, "Nm_s_rad_K", "N_s_m_K"},
+    {Dimension::kInertiaTimeSquared, "kg_m2_s2", "kg_s2"},
+    {Dimension::kAnglePerTorque, "rad_Nm", "m_N"},
+    {Dimension::kRate, "1_s", "1_s"},
+};
+
+static_assert(std::size(kSuffixes) == static_cast<std::size_t>(Dimension::kRate) + 1);
+
+struct BalanceWords {
+  Balance balance;
+  std::string_view name, rotary_unit, linear_unit;
+};
+constexpr BalanceWords kBalances[] = {
+    {Balance::kMotion, "motion", "Nm", "N"},
+    {Balance::kLink, "link", "Nm", "N"},
+    {Balance::kPlay, "play", "Nm", "N"},
+    {Balance::kGas, "gas", "bar", "bar"},
+    {Balance::kKinematic, "kinematic", "rad", "m"},
+};
+
+}  // namespace
+
 std::string_view UnitSuffix(Dimension dimension, types::JointKind kind) {
-  const bool rotary = kind == types::JointKind::kRevolute;
-  switch (dimension) {
-    case Dimension::kNone:
-      return "";
-    case Dimension::kTorque:
-      return rotary ? "Nm" : "N";
-    case Dimension::kViscous:
-      return rotary ? "Nm_s_rad" : "N_s_m";
-    case Dimension::kQuadraticViscous:
-      return rotary ? "Nm_s2_rad2" : "N_s2_m2";
-    case Dimension::kInertia:
-      return rotary ? "kg_m2" : "kg";
-    case Dimension::kAngle:
-      return rotary ? "rad" : "m";
-    case Dimension::kVelocity:
-      return rotary ? "rad_s" : "m_s";
-    case Dimension::kFrequency:
-      return "Hz";
-    case Dimension::kTime:
-      return "s";
-    case Dimension::kMass:
-      return "kg";
-    case Dimension::kTorquePerBar:
-      return rotary ? "Nm_bar" : "N_bar";
-    case Dimension::kStiffness:
-      return rotary ? "Nm_rad" : "N_m";
-    case Dimension::kStiffnessPerBar:
-      return rotary ? "Nm_rad_bar" : "N_m_bar";
-    case Dimension::kTorquePerKelvin:
-      return rotary ? "Nm_K" : "N_K";
-    case Dimension::kTorquePerAmpere:
-      return rotary ? "Nm_A" : "N_A";
-    case Dimension::kTorquePerVolt:
-      return rotary ? "Nm_V" : "N_V";
-    case Dimension::kInertiaTime:
-      return rotary ? "kg_m2_s" : "kg_s";
-    case Dimension::kPressure:
-      return "bar";
-    case Dimension::kTemperature:
-      return "degC";
-    case Dimension::kLength:
-      return "m";
-    case Dimension::kPerTorque:
-      return rotary ? "per_Nm" : "per_N";
-    case Dimension::kCurrent:
-      return "A";
-    case Dimension::kPerCurrentSquared:
-      return "per_A2";
-    case Dimension::kViscousPerKelvin:
-      return rotary ? "Nm_s_rad_K" : "N_s_m_K";
-    case Dimension::kInertiaTimeSquared:
-      return rotary ? "kg_m2_s2" : "kg_s2";
-    case Dimension::kAnglePerTorque:
-      return rotary ? "rad_Nm" : "m_N";
-    case Dimension::kRate:
-      return "1_s";
-  }
-  return "";
+  const Suffix& row = kSuffixes[static_cast<std::size_t>(dimension)];
+  return kind == types::JointKind::kRevolute ? row.rotary : row.linear;
 }
 
 std::string_view BalanceName(Balance balance) {
-  switch (balance) {
-    case Balance::kMotion:
-      return "motion";
-    case Balance::kLink:
-      return "link";
-    case Balance::kPlay:
-      return "play";
-    case Balance::kGas:
-      return "gas";
-    case Balance::kKinematic:
-      return "kinematic";
-  }
-  return "";
+  return kBalances[static_cast<std::size_t>(balance)].name;
 }
 
 std::string_view BalanceUnit(Balance balance, types::JointKind kind) {
-  const bool rotary = kind == types::JointKind::kRevolute;
-  switch (balance) {
-    case Balance::kGas:
-      return "bar";
-    case Balance::kKinematic:
-      return rotary ? "rad" : "m";
-    default:
-      return rotary ? "Nm" : "N";
-  }
+  const BalanceWords& row = kBalances[static_cast<std::size_t>(balance)];
+  return kind == types::JointKind::kRevolute ? row.rotary_unit : row.linear_unit;
 }
 
 std::string ParameterKey(const ParameterInfo& info, types::JointKind kind) {

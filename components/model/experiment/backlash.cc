@@ -93,8 +93,6 @@ BacklashProtocol::BacklashProtocol(const BacklashPlan& plan) : plan_(plan) {
   }
 }
 
-Start BacklashProtocol::start() const { return {.pressure_bar = plan_.pressure_bar}; }
-
 Command BacklashProtocol::Step(const Reading& reading) noexcept {
   Command command;
   const double periods = reading.time_s / plan_.period_s;
@@ -152,34 +150,25 @@ Result IdentifyBacklash(const Recording& rows, const RigConstants& rig) {
   compliance.half_width_95 = std::hypot(compliance.half_width_95, rounding.compliance_deg_Nm);
 
   Result result{.experiment = "backlash", .title = "Play of the gear (5.1.1)"};
-  result.quantities = {{.id = "backlash_deg",
-                        .name = "backlash",
-                        .unit = "degrees",
-                        .estimate = play,
-                        .published = 2.66,
-                        .source = "Fig 5.1, mean of 100",
-                        .target_absolute = 0.05,
-                        .remark = "difference of the contacts, extrapolated to no torque"},
-                       {.id = "backlash_extremes_deg",
-                        .name = "largest minus smallest",
-                        .unit = "degrees",
-                        .estimate = MeanOfTrials(published_deg),
-                        .published = 2.66,
-                        .source = "Fig 5.1",
-                        .target_absolute = 0.05,
-                        .has_interval = false,
-                        .remark = "as published; extremes of noisy counts and bent teeth widen it"},
-                       {.id = "contact_compliance_deg_Nm",
-                        .name = "compliance of the contact",
-                        .unit = "degrees/Nm",
-                        .estimate = compliance}};
+  result.quantities = {
+      Quantity{"backlash_deg", "backlash", "degrees", play,
+               "difference of the contacts, extrapolated to no torque"}
+          .Published(2.66, "Fig 5.1, mean of 100")
+          .Within(0.05),
+      Quantity{"backlash_extremes_deg", "largest minus smallest", "degrees",
+               MeanOfTrials(published_deg),
+               "as published; extremes of noisy counts and bent teeth widen it"}
+          .Published(2.66, "Fig 5.1")
+          .Within(0.05)
+          .WithoutInterval(),
+      Quantity{"contact_compliance_deg_Nm", "compliance of the contact", "degrees/Nm", compliance}};
   report::Series difference{.name = "motor/N - link"};
   const double begin_s = halves.empty() ? 0.0 : halves.front().start_s;
   for (const Row& row : rows) {
     if (row.time_s < begin_s || row.time_s > begin_s + 12.5) continue;
-    difference.x.push_back(row.time_s - begin_s);
-    difference.y.push_back((row.motor_angle_rad / rig.gear_ratio - row.output_angle_rad) /
-                           types::kDegree_rad);
+    difference.Add(
+        row.time_s - begin_s,
+        (row.motor_angle_rad / rig.gear_ratio - row.output_angle_rad) / types::kDegree_rad);
   }
   result.figures = {
       report::Chart("Difference of motor angle / N and link angle (Fig 5.1)",

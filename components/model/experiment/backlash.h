@@ -34,9 +34,8 @@ struct BacklashPlan {
 class BacklashProtocol : public Protocol {
  public:
   explicit BacklashProtocol(const BacklashPlan& plan);
-  Start start() const override;
+  Start start() const override { return {.pressure_bar = plan_.pressure_bar}; }
   Command Step(const Reading& reading) noexcept override;
-  bool done() const noexcept override { return done_; }
   double expected_s() const override { return plan_.trials * plan_.period_s; }
   std::string instruction() const override {
     return "hold the link level against the motor, up and down";
@@ -44,7 +43,6 @@ class BacklashProtocol : public Protocol {
 
  private:
   BacklashPlan plan_;
-  bool done_ = false;
 };
 
 // Throws std::invalid_argument when there are fewer than 4 trials, or only one torque was used.

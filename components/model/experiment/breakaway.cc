@@ -48,10 +48,6 @@ BreakawayProtocol::BreakawayProtocol(const BreakawayPlan& plan) : plan_(plan) {
   }
 }
 
-Start BreakawayProtocol::start() const {
-  return {.output_angle_rad = plan_.angle_rad, .rest_s = plan_.rest_s};
-}
-
 Command BreakawayProtocol::Step(const Reading& reading) noexcept {
   Command command;  // the motor idles inside the play
   if (first_) {
@@ -78,23 +74,6 @@ BreakawayTour::BreakawayTour(std::vector<double> angles_rad, const BreakawayPlan
   if (angles_rad_.empty()) throw std::invalid_argument("breakaway: no angles");
   // Always lifted: the teeth then carry the link from below.
   std::sort(angles_rad_.begin(), angles_rad_.end());
-}
-
-Start BreakawayTour::start() const {
-  return {.output_angle_rad = angles_rad_.front() - 0.15, .motor_offset_rad = 0.0};
-}
-
-double BreakawayTour::expected_s() const {
-  return static_cast<double>(angles_rad_.size()) * (1.5 * plan_.rest_s + 6.0);
-}
-
-std::string BreakawayTour::instruction() const {
-  switch (phase_) {
-    case Phase::kPush:
-      return "press slowly on the end of the link until it gives way";
-    default:
-      return "hands off the link";
-  }
 }
 
 void BreakawayTour::Enter(Phase phase, double time_s) noexcept {
@@ -234,20 +213,13 @@ Result IdentifyBreakaway(const std::vector<Breakaway>& trials, const RigConstant
   friction.half_width_95 = std::hypot(friction.half_width_95, std::abs(rate_Nm_s) * row_s);
 
   Result result{.experiment = "breakaway", .title = "Torque to start moving (5.1.1)"};
-  result.quantities = {{.id = "static_friction_Nm",
-                        .name = "static friction after a rest",
-                        .unit = "Nm",
-                        .estimate = friction,
-                        .published = 1.22,
-                        .source = "Fig 5.3",
-                        .target_share = 0.05},
-                       {.id = "gravity_Nm",
-                        .name = "gravity, link level",
-                        .unit = "Nm",
-                        .estimate = fit.At(1),
-                        .published = 0.58,
-                        .source = "(5.2)",
-                        .target_share = 0.05}};
+  result.quantities = {
+      Quantity{"static_friction_Nm", "static friction after a rest", "Nm", friction}
+          .Published(1.22, "Fig 5.3")
+          .WithinShare(0.05),
+      Quantity{"gravity_Nm", "gravity, link level", "Nm", fit.At(1)}
+          .Published(0.58, "(5.2)")
+          .WithinShare(0.05)};
   report::Table table{
       .title = "Torque at the load cell to start moving (Fig 5.2)",
       .header = {"angle, degrees", "trials", "mean, Nm", "sd, Nm", "with gravity, Nm"}};
@@ -259,16 +231,13 @@ Result IdentifyBreakaway(const std::vector<Breakaway>& trials, const RigConstant
     table.rows.push_back({std::to_string(angle_deg), std::to_string(values.size()),
                           types::Text("%.4f", mean), types::Text("%.4f", sd),
                           types::Text("%.4f", with_gravity)});
-    measured.x.push_back(angle_deg);
-    measured.y.push_back(mean);
+    measured.Add(angle_deg, mean);
     measured.spread.push_back(sd);
-    total.x.push_back(angle_deg);
-    total.y.push_back(with_gravity);
+    total.Add(angle_deg, with_gravity);
     total.spread.push_back(sd);
   }
   for (int angle_deg = -90; angle_deg <= 90; angle_deg += 3) {
-    fitted.x.push_back(angle_deg);
-    fitted.y.push_back(fit.b(0) - fit.b(1) * std::cos(angle_deg * types::kDegree_rad));
+    fitted.Add(angle_deg, fit.b(0) - fit.b(1) * std::cos(angle_deg * types::kDegree_rad));
   }
   result.tables.push_back(std::move(table));
   result.figures = {

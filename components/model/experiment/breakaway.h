@@ -31,9 +31,10 @@ struct BreakawayPlan {
 class BreakawayProtocol : public Protocol {
  public:
   explicit BreakawayProtocol(const BreakawayPlan& plan);
-  Start start() const override;
+  Start start() const override {
+    return {.output_angle_rad = plan_.angle_rad, .rest_s = plan_.rest_s};
+  }
   Command Step(const Reading& reading) noexcept override;
-  bool done() const noexcept override { return done_; }
   double expected_s() const override { return 4.0; }
   std::string instruction() const override {
     return "press slowly on the end of the link until it gives way, then let go";
@@ -46,7 +47,6 @@ class BreakawayProtocol : public Protocol {
   double last_s_ = 0.0;
   double broken_s_ = -1.0;
   bool first_ = true;
-  bool done_ = false;
 };
 
 // Nine (or more) trials in one go, for a robot: the motor carries the link from angle to angle,
@@ -56,11 +56,16 @@ class BreakawayTour : public Protocol {
  public:
   // rest_s: at each angle.
   BreakawayTour(std::vector<double> angles_rad, const BreakawayPlan& plan, double gear_ratio);
-  Start start() const override;
+  Start start() const override { return {.output_angle_rad = angles_rad_.front() - 0.15}; }
   Command Step(const Reading& reading) noexcept override;
   bool done() const noexcept override { return next_ >= angles_rad_.size(); }
-  double expected_s() const override;
-  std::string instruction() const override;
+  double expected_s() const override {
+    return static_cast<double>(angles_rad_.size()) * (1.5 * plan_.rest_s + 6.0);
+  }
+  std::string instruction() const override {
+    return phase_ == Phase::kPush ? "press slowly on the end of the link until it gives way"
+                                  : "hands off the link";
+  }
 
  private:
   enum class Phase { kLift, kSettle, kBackOff, kRest, kPush, kCatch };

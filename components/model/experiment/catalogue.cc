@@ -3,6 +3,7 @@
 #include <stdexcept>
 
 #include "components/base/types/angle.h"
+#include "components/base/types/joined.h"
 #include "components/model/experiment/backlash.h"
 #include "components/model/experiment/breakaway.h"
 #include "components/model/experiment/data_sets.h"
@@ -13,10 +14,8 @@ namespace sinew::experiment {
 namespace {
 
 [[noreturn]] void NoSuch(std::string_view name) {
-  std::string names;
-  for (const std::string& known : ExperimentNames()) names += (names.empty() ? "" : ", ") + known;
   throw std::invalid_argument("no experiment '" + std::string(name) +
-                              "', expected one of: " + names);
+                              "', expected one of: " + types::Joined(ExperimentNames()));
 }
 
 }  // namespace

@@ -57,8 +57,7 @@ report::Picture TimeFigure(const Recording& rows, const std::string& title,
                            const std::string& label, double (*get)(const Row&)) {
   report::Series series;
   for (const Row& row : rows) {
-    series.x.push_back(row.time_s - rows.front().time_s);
-    series.y.push_back(get(row));
+    series.Add(row.time_s - rows.front().time_s, get(row));
   }
   return report::Chart(title, "", "time, s", kFigure_px, {{label, {std::move(series)}}});
 }
@@ -191,41 +190,25 @@ Result DescribeSea(const Recording& rows, const RigConstants& rig) {
   }
   Result result{.experiment = "sea-data", .title = "Data inside the backlash (5.1.2)"};
   result.quantities = {
-      {.id = "pushes_Hz",
-       .name = "pushes a second",
-       .unit = "Hz",
-       .estimate = MeanOfTrials(rates_Hz),
-       .published = 2.0,
-       .source = "5.1.2"},
-      {.id = "recorded_s",
-       .name = "recorded",
-       .unit = "s",
-       .estimate = {rows.back().time_s - rows.front().time_s, 0.0, 1},
-       .published = 100.0,
-       .source = "5.1.2",
-       .has_interval = false},
-      {.id = "set_s",
-       .name = "set for networks",
-       .unit = "s",
-       .estimate = {set.back().time_s - set.front().time_s, 0.0, 1},
-       .has_interval = false,
-       .remark = "until the chamber no longer brings the link back"},
-      {.id = "set_end_bar",
-       .name = "pressure where the set ends",
-       .unit = "bar",
-       .estimate = {set.back().chamber_pressure_bar, 0.0, 1},
-       .published = 2.0,
-       .source = "Fig 5.9, about",
-       .has_interval = false},
-      {.id = "cycle_loss_J",
-       .name = "energy lost in a push cycle",
-       .unit = "J",
-       .estimate = MeanOfTrials(loss_J),
-       .remark = "area of the loop of Fig 5.8: friction, and impacts of the teeth"}};
+      Quantity{"pushes_Hz", "pushes a second", "Hz", MeanOfTrials(rates_Hz)}.Published(2.0,
+                                                                                       "5.1.2"),
+      Quantity{"recorded_s", "recorded", "s",
+               Estimate{rows.back().time_s - rows.front().time_s, 0.0, 1}}
+          .Published(100.0, "5.1.2")
+          .WithoutInterval(),
+      Quantity{"set_s", "set for networks", "s",
+               Estimate{set.back().time_s - set.front().time_s, 0.0, 1},
+               "until the chamber no longer brings the link back"}
+          .WithoutInterval(),
+      Quantity{"set_end_bar", "pressure where the set ends", "bar",
+               Estimate{set.back().chamber_pressure_bar, 0.0, 1}}
+          .Published(2.0, "Fig 5.9, about")
+          .WithoutInterval(),
+      Quantity{"cycle_loss_J", "energy lost in a push cycle", "J", MeanOfTrials(loss_J),
+               "area of the loop of Fig 5.8: friction, and impacts of the teeth"}};
   report::Series loop;
   for (std::size_t i = at_4_bar->first; i <= at_4_bar->last; ++i) {
-    loop.x.push_back(set[i].output_angle_rad / types::kDegree_rad);
-    loop.y.push_back(set[i].load_force_N * rig.link_length_m);
+    loop.Add(set[i].output_angle_rad / types::kDegree_rad, set[i].load_force_N * rig.link_length_m);
   }
   result.figures = {
       TimeFigure(rows, "Pressure (Fig 5.5)", "pressure, bar",
@@ -273,31 +256,20 @@ Result DescribePea(const Recording& rows, const RigConstants& rig) {
   const double highest_d = identify::Quantile(d, 0.98);
   for (const double value : d) outside += value > highest_d - 0.002 ? 1.0 : 0.0;
   Result result{.experiment = "pea-data", .title = "Data outside the backlash (5.1.3)"};
-  result.quantities = {{.id = "cycles",
-                        .name = "cycles down and up",
-                        .unit = "",
-                        .estimate = {static_cast<double>(lowest_deg.size()), 0.0, 1},
-                        .published = 100.0,
-                        .source = "5.1.3",
-                        .has_interval = false},
-                       {.id = "lowest_deg",
-                        .name = "lowest angle of a cycle",
-                        .unit = "degrees",
-                        .estimate = MeanOfTrials(lowest_deg),
-                        .published = -90.0,
-                        .source = "5.1.3, hanging"},
-                       {.id = "highest_deg",
-                        .name = "highest angle",
-                        .unit = "degrees",
-                        .estimate = {span.upper_rad / types::kDegree_rad, 0.0, 1},
-                        .published = 90.0,
-                        .source = "5.1.3, upright",
-                        .has_interval = false},
-                       {.id = "outside_share",
-                        .name = "rows with teeth in contact",
-                        .unit = "",
-                        .estimate = {outside / static_cast<double>(rows.size()), 0.0, 1},
-                        .has_interval = false}};
+  result.quantities = {
+      Quantity{"cycles", "cycles down and up", "",
+               Estimate{static_cast<double>(lowest_deg.size()), 0.0, 1}}
+          .Published(100.0, "5.1.3")
+          .WithoutInterval(),
+      Quantity{"lowest_deg", "lowest angle of a cycle", "degrees", MeanOfTrials(lowest_deg)}
+          .Published(-90.0, "5.1.3, hanging"),
+      Quantity{"highest_deg", "highest angle", "degrees",
+               Estimate{span.upper_rad / types::kDegree_rad, 0.0, 1}}
+          .Published(90.0, "5.1.3, upright")
+          .WithoutInterval(),
+      Quantity{"outside_share", "rows with teeth in contact", "",
+               Estimate{outside / static_cast<double>(rows.size()), 0.0, 1}}
+          .WithoutInterval()};
   Recording first;
   for (const Row& row : rows) {
     if (row.time_s - rows.front().time_s < 35.0) first.push_back(row);

@@ -26,7 +26,6 @@ class SeaProtocol : public Protocol {
     return {.pressure_bar = plan_.first_bar, .rest_s = 1.0, .rotor_locked = true};
   }
   Command Step(const Reading& reading) noexcept override;
-  bool done() const noexcept override { return done_; }
   double expected_s() const override { return plan_.duration_s; }
   std::string instruction() const override {
     return "push the end of the link down twice a second, and let go";
@@ -38,7 +37,6 @@ class SeaProtocol : public Protocol {
   double stroke_s_ = 1.0;
   double length_s_ = 0.5;
   double size_N_ = 11.0;
-  bool done_ = false;
 };
 
 struct PeaPlan {
@@ -59,7 +57,6 @@ class PeaProtocol : public Protocol {
         .output_angle_rad = 1.5707963267948966, .pressure_bar = plan_.pressure_bar, .rest_s = 1.0};
   }
   Command Step(const Reading& reading) noexcept override;
-  bool done() const noexcept override { return done_; }
   double expected_s() const override { return plan_.cycles * plan_.cycle_s; }
   std::string instruction() const override {
     return "press the link from upright to hanging, then ease off until it is up again";
@@ -72,7 +69,6 @@ class PeaProtocol : public Protocol {
   double start_s_ = 1.0;
   double length_s_ = 3.5;
   double size_rad_ = 3.1;
-  bool done_ = false;
 };
 
 // The rows of the set: up to where the link no longer came back.

@@ -72,38 +72,21 @@ types::Run RunOf(const Recording& rows) {
 
 // fit: with Coulomb friction.
 std::vector<Quantity> Quantities(const TrialFit& fit, const Eigen::Vector2d& published) {
-  return {
-      {.id = "rotor_inertia_kg_m2",
-       .name = "J_m",
-       .unit = "kg m2",
-       .estimate = fit.At(0),
-       .target_share = 0.05,
-       .remark = "with Coulomb friction"},
-      {.id = "rotor_viscous_Nm_s_rad",
-       .name = "B_m",
-       .unit = "Nm s/rad",
-       .estimate = fit.At(1),
-       .target_share = 0.05,
-       .remark = "with Coulomb friction"},
-      {.id = "rotor_coulomb_Nm",
-       .name = "T_c",
-       .unit = "Nm",
-       .estimate = fit.At(2),
-       .remark = "dry friction of the rotor"},
-      {.id = "rotor_inertia_published_kg_m2",
-       .name = "J_m, by (4.21)-(4.26)",
-       .unit = "kg m2",
-       .estimate = {published(0), 0.0, 1},
-       .target_share = 0.05,
-       .has_interval = false,
-       .remark = "without Coulomb friction, differences of rows; x 3/2 with the printed factor"},
-      {.id = "rotor_viscous_published_Nm_s_rad",
-       .name = "B_m, by (4.21)-(4.26)",
-       .unit = "Nm s/rad",
-       .estimate = {published(1), 0.0, 1},
-       .target_share = 0.05,
-       .has_interval = false,
-       .remark = "takes up the dry friction; x 3/2 with the printed factor"}};
+  return {Quantity{"rotor_inertia_kg_m2", "J_m", "kg m2", fit.At(0), "with Coulomb friction"}
+              .WithinShare(0.05),
+          Quantity{"rotor_viscous_Nm_s_rad", "B_m", "Nm s/rad", fit.At(1), "with Coulomb friction"}
+              .WithinShare(0.05),
+          Quantity{"rotor_coulomb_Nm", "T_c", "Nm", fit.At(2), "dry friction of the rotor"},
+          Quantity{"rotor_inertia_published_kg_m2", "J_m, by (4.21)-(4.26)", "kg m2",
+                   Estimate{published(0), 0.0, 1},
+                   "without Coulomb friction, differences of rows; x 3/2 with the printed factor"}
+              .WithinShare(0.05)
+              .WithoutInterval(),
+          Quantity{"rotor_viscous_published_Nm_s_rad", "B_m, by (4.21)-(4.26)", "Nm s/rad",
+                   Estimate{published(1), 0.0, 1},
+                   "takes up the dry friction; x 3/2 with the printed factor"}
+              .WithinShare(0.05)
+              .WithoutInterval()};
 }
 
 }  // namespace
@@ -171,8 +154,7 @@ Result IdentifyMotor(const Recording& rows, const RigConstants& rig) {
       if (segment.valid[static_cast<std::size_t>(i)] == 0) continue;
       const Eigen::Vector4d row(dw(i), w(i), sign(i), rate(i));
       if (segment.Time(i) - rows.front().time_s < 8.0) {
-        measured.x.push_back(segment.Time(i) - rows.front().time_s);
-        measured.y.push_back(torque(i));
+        measured.Add(segment.Time(i) - rows.front().time_s, torque(i));
         shown.push_back(row);
       }
       if (std::abs(w(i)) < kSlow_rad_s) continue;

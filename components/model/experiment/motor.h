@@ -34,7 +34,6 @@ class MotorProtocol : public Protocol {
   explicit MotorProtocol(const MotorPlan& plan);  // throws std::invalid_argument
   Start start() const override { return {.motor_uncoupled = true}; }
   Command Step(const Reading& reading) noexcept override;
-  bool done() const noexcept override { return done_; }
   double expected_s() const override { return plan_.duration_s; }
   std::string instruction() const override { return "hands off: the motor turns alone"; }
 
@@ -44,7 +43,6 @@ class MotorProtocol : public Protocol {
   };
   MotorPlan plan_;
   std::vector<Sine> sines_;
-  bool done_ = false;
 };
 
 // Throws std::invalid_argument: too short, or the output moved (the motor was coupled).

@@ -23,24 +23,17 @@ void AddStrokesDown(const std::vector<double>& pressure, const std::vector<doubl
                    torque_down[i] + fit.b(3) * acceleration_down[i]);
   }
   const TrialFit down = of_strokes.Fit();
-  result->quantities.push_back({.id = "pressure_slope_down_Nm_bar",
-                                .name = "K, strokes down only",
-                                .unit = "Nm/bar",
-                                .estimate = down.At(0),
-                                .published = 0.3587,
-                                .source = "(5.4)",
-                                .target_share = 0.02,
-                                .has_interval = false,
-                                .remark = "as published"});
-  result->quantities.push_back({.id = "moving_friction_down_Nm",
-                                .name = "T_dyn, strokes down, gravity assumed",
-                                .unit = "Nm",
-                                .estimate = down.At(1),
-                                .published = 0.22,
-                                .source = "(5.4)",
-                                .has_interval = false,
-                                .remark = "as published; an error of the assumed gravity goes "
-                                          "into it whole"});
+  result->quantities.push_back(Quantity{"pressure_slope_down_Nm_bar", "K, strokes down only",
+                                        "Nm/bar", down.At(0), "as published"}
+                                   .Published(0.3587, "(5.4)")
+                                   .WithinShare(0.02)
+                                   .WithoutInterval());
+  result->quantities.push_back(Quantity{"moving_friction_down_Nm",
+                                        "T_dyn, strokes down, gravity assumed", "Nm", down.At(1),
+                                        "as published; an error of the assumed gravity goes "
+                                        "into it whole"}
+                                   .Published(0.22, "(5.4)")
+                                   .WithoutInterval());
 }
 
 }  // namespace
@@ -75,36 +68,23 @@ Result IdentifyMovingFriction(const Recording& rows, const RigConstants& rig) {
 
   Result result{.experiment = "moving-friction",
                 .title = "Moving friction and pressure slope (5.4)"};
-  result.quantities = {{.id = "pressure_slope_Nm_bar",
-                        .name = "K",
-                        .unit = "Nm/bar",
-                        .estimate = fit.At(0),
-                        .published = 0.3587,
-                        .source = "(5.4)",
-                        .target_share = 0.02},
-                       {.id = "moving_friction_Nm",
-                        .name = "T_dyn",
-                        .unit = "Nm",
-                        .estimate = fit.At(1),
-                        .published = 0.22,
-                        .source = "(5.4)",
-                        .target_share = 0.05,
-                        .remark = "from strokes down and up"},
-                       {.id = "gravity_moving_Nm",
-                        .name = "gravity, link level",
-                        .unit = "Nm",
-                        .estimate = fit.At(2),
-                        .published = 0.58,
-                        .source = "(5.2)",
-                        .target_share = 0.05}};
+  result.quantities = {
+      Quantity{"pressure_slope_Nm_bar", "K", "Nm/bar", fit.At(0)}
+          .Published(0.3587, "(5.4)")
+          .WithinShare(0.02),
+      Quantity{"moving_friction_Nm", "T_dyn", "Nm", fit.At(1), "from strokes down and up"}
+          .Published(0.22, "(5.4)")
+          .WithinShare(0.05),
+      Quantity{"gravity_moving_Nm", "gravity, link level", "Nm", fit.At(2)}
+          .Published(0.58, "(5.2)")
+          .WithinShare(0.05)};
   std::vector<report::Series> series = {
       {.name = "down", .x = pressure, .y = torque_down, .style = kPoints},
       {.name = "up", .x = pressure_up, .y = torque_up, .style = kPoints}};
   for (const int side : {1, -1}) {
     report::Series line{.name = side > 0 ? "K P + T_dyn" : "K P - T_dyn"};
     for (double p = 2.0; p <= 6.01; p += 0.5) {
-      line.x.push_back(p);
-      line.y.push_back(fit.b(0) * p + side * fit.b(1) + rig.gravity_torque_Nm - fit.b(2));
+      line.Add(p, fit.b(0) * p + side * fit.b(1) + rig.gravity_torque_Nm - fit.b(2));
     }
     series.push_back(std::move(line));
   }

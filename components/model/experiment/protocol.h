@@ -60,9 +60,12 @@ class Protocol {
   virtual Start start() const = 0;
   // reading.time_s counts from the experiment's start.
   virtual Command Step(const Reading& reading) noexcept = 0;
-  virtual bool done() const noexcept = 0;
+  virtual bool done() const noexcept { return done_; }
   virtual double expected_s() const = 0;        // about; for a progress bar
   virtual std::string instruction() const = 0;  // to the person at the link; empty: none needed
+
+ protected:
+  bool done_ = false;
 };
 
 // Keeps a pressure by switching: the reservoir is joined to the chamber.

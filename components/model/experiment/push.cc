@@ -23,10 +23,6 @@ PushProtocol::PushProtocol(const PushPlan& plan) : plan_(plan) {
   }
 }
 
-Start PushProtocol::start() const {
-  return {.pressure_bar = plan_.first_bar, .rest_s = 0.5, .rotor_locked = true};
-}
-
 Command PushProtocol::Step(const Reading& reading) noexcept {
   Command command;
   command.drive = types::ControlMode::kPosition;  // holds the motor

@@ -41,9 +41,10 @@ struct PushPlan {
 class PushProtocol : public Protocol {
  public:
   explicit PushProtocol(const PushPlan& plan);  // throws std::invalid_argument
-  Start start() const override;
+  Start start() const override {
+    return {.pressure_bar = plan_.first_bar, .rest_s = 0.5, .rotor_locked = true};
+  }
   Command Step(const Reading& reading) noexcept override;
-  bool done() const noexcept override { return done_; }
   double expected_s() const override { return plan_.duration_s; }
   std::string instruction() const override {
     return "press the link slowly through the play and let it come back, every three seconds";
@@ -60,7 +61,6 @@ class PushProtocol : public Protocol {
   double moved_s_ = 0.0;
   double start_rad_ = 0.0;
   int pushes_ = 0;
-  bool done_ = false;
 };
 
 Result IdentifyMovingFriction(const Recording& rows, const RigConstants& rig);

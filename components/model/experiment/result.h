@@ -26,6 +26,7 @@ struct Quantity {
   std::string name{};
   std::string unit{};
   Estimate estimate{};
+  std::string remark{};
   std::optional<double> published{};
   std::string source{};  // of the published value
   std::optional<double> truth{};
@@ -33,10 +34,15 @@ struct Quantity {
   std::optional<double> target_absolute{};
   std::optional<double> target_share{};
   bool has_interval = true;  // false: listed for comparison, without a target
-  std::string remark{};
 
   // Nothing without truth or target.
   std::optional<bool> Met() const;
+
+  // The same with further fields.
+  Quantity Published(double value, std::string where) const;
+  Quantity Within(double absolute) const;
+  Quantity WithinShare(double share) const;
+  Quantity WithoutInterval() const;
 };
 
 // Style of figures: pixels of a panel, and points of their own.
@@ -54,5 +60,13 @@ struct Result {
 
   const Quantity* Find(const std::string& id) const;
 };
+
+// A number for people, with as many digits as intervals allow.
+std::string FormatValue(double value);
+std::string FormatInterval(const Quantity& quantity);  // empty: none
+std::string FormatTarget(const Quantity& quantity);    // empty: no target
+
+// A section of a page: comparisons, tables, pictures.
+report::Section MakeSection(const Result& result);
 
 }  // namespace sinew::experiment

@@ -63,12 +63,9 @@ void AddReturnLimit(const Play& play, const std::vector<double>& passed,
   const TrialFit back = up.Fit();
   const double zero_bar = -back.b(0) / back.b(1);
   result->quantities.push_back(
-      {.id = "return_limit_bar",
-       .name = "pressure under which friction wins",
-       .unit = "bar",
-       .estimate = back.Of(zero_bar, Eigen::Vector3d(-1.0, -zero_bar, 0.0) / back.b(1)),
-       .published = 2.0,
-       .source = "Fig 5.9, about"});
+      Quantity{"return_limit_bar", "pressure under which friction wins", "bar",
+               back.Of(zero_bar, Eigen::Vector3d(-1.0, -zero_bar, 0.0) / back.b(1))}
+          .Published(2.0, "Fig 5.9, about"));
   if (stuck.empty()) return;
   result->remarks.push_back(
       report::Text("The link last came back at %.2f bar; from %.2f bar down the secant is 0.",
@@ -125,17 +122,12 @@ Result IdentifyStiffness(const Recording& rows, const RigConstants& rig) {
     return estimate;
   };
   result.quantities.push_back(
-      {.id = "secant_6bar_Nm_rad",
-       .name = "secant of a push cycle at 6 bar",
-       .unit = "Nm/rad",
-       .estimate = with_rounding(fit.Of(fit.b(0) + 6.0 * fit.b(1), Eigen::Vector3d(1.0, 6.0, 0.0))),
-       .published = 100.0,
-       .source = "Fig 5.9",
-       .remark = "100 over 2.66 degrees is 4.6 Nm, K x 6 bar is 2.15: both cannot hold"});
-  result.quantities.push_back({.id = "secant_slope_Nm_rad_bar",
-                               .name = "secant per bar",
-                               .unit = "Nm/rad/bar",
-                               .estimate = with_rounding(fit.At(1))});
+      Quantity{"secant_6bar_Nm_rad", "secant of a push cycle at 6 bar", "Nm/rad",
+               with_rounding(fit.Of(fit.b(0) + 6.0 * fit.b(1), Eigen::Vector3d(1.0, 6.0, 0.0))),
+               "100 over 2.66 degrees is 4.6 Nm, K x 6 bar is 2.15: both cannot hold"}
+          .Published(100.0, "Fig 5.9"));
+  result.quantities.push_back(Quantity{"secant_slope_Nm_rad_bar", "secant per bar", "Nm/rad/bar",
+                                       with_rounding(fit.At(1))});
 
   AddReturnLimit(play, pressure, none_pressure, rig, &result);
 
@@ -145,17 +137,15 @@ Result IdentifyStiffness(const Recording& rows, const RigConstants& rig) {
     if (slope.trials() < 7) continue;
     TrialFit gas = slope.Fit();
     gas.b(0) = -gas.b(0);
-    result.quantities.push_back({.id = open ? "gas_open_Nm_rad" : "gas_shut_Nm_rad",
-                                 .name = open ? "gas stiffness, reservoir joined, at 6 bar"
+    result.quantities.push_back(Quantity{open ? "gas_open_Nm_rad" : "gas_shut_Nm_rad",
+                                         open ? "gas stiffness, reservoir joined, at 6 bar"
                                               : "gas stiffness, chamber shut, at 6 bar",
-                                 .unit = "Nm/rad",
-                                 .estimate = gas.At(0)});
+                                         "Nm/rad", gas.At(0)});
   }
 
   report::Series line{.name = "fit"};
   for (double p = 2.2; p <= 6.01; p += 0.2) {
-    line.x.push_back(p);
-    line.y.push_back(fit.b(0) + fit.b(1) * p);
+    line.Add(p, fit.b(0) + fit.b(1) * p);
   }
   result.figures.push_back(report::Chart(
       "Stiffness against pressure (Fig 5.9)",

@@ -17,6 +17,7 @@
 #include "components/model/gate/checks.h"
 #include "components/model/gate/rules.h"
 #include "components/model/identify/processing.h"
+#include "components/model/identify/statistics.h"
 
 namespace sinew::gate {
 
@@ -101,7 +102,7 @@ std::optional<Part> MakePart(const Run& run, Signal drive, double gear_ratio) {
   if (at.size() < 50) return std::nullopt;
   const auto local = LocalCubics(run, signals, half, at);
   const Eigen::VectorXd& rate = local.at(Signal::kPosition).rate;
-  const double least = 0.1 * std::sqrt(rate.squaredNorm() / static_cast<double>(rate.size()));
+  const double least = 0.1 * identify::Rms(rate);
   Part out;
   out.run = &run;
   for (std::size_t k = 0; k < at.size(); ++k) {
@@ -455,12 +456,9 @@ bool SilenceContradictions(std::vector<Best>* found) {
 
 std::vector<Measurement> CheckBalance(const std::vector<Run>& runs, const JointModel& model) {
   if (model.Find("rigid_body") >= 0 || runs.empty()) return {};
-  int drives = 0;
-  for (const actuator::Term& term : model.terms) {
-    drives += model.Counts(term) && term.effect->info().role == effects::Role::kDrive;
-  }
-  if (drives != 1) return {};
-  const Signal drive = identify::DriveSignal(model);
+  const std::optional<Signal> only = OnlyDrive(model);
+  if (!only) return {};
+  const Signal drive = *only;
   std::vector<Part> parts;
   for (const Run& run : runs) {
     if (run.held) continue;
@@ -469,18 +467,15 @@ std::vector<Measurement> CheckBalance(const std::vector<Run>& runs, const JointM
     }
   }
   std::vector<Best> found;
-  const auto append = [&found](std::vector<Best> more) {
-    for (Best& best : more) found.push_back(std::move(best));
-  };
   Parts all;
   for (const Part& part : parts) {
-    append(Compare({&part}, model, drive));
+    Append(Compare({&part}, model, drive), &found);
     all.push_back(&part);
   }
   // All together only where none of them says it alone, and they do not contradict each other.
   const bool contradict = SilenceContradictions(&found);
   if (all.size() > 1 && !contradict && std::none_of(found.begin(), found.end(), IsFault)) {
-    append(Compare(all, model, drive));
+    Append(Compare(all, model, drive), &found);
   }
   std::vector<Measurement> out;
   out.reserve(found.size());

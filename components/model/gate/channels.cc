@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "components/base/types/text.h"
+#include "components/model/identify/processing.h"
 #include "components/model/identify/statistics.h"
 
 namespace sinew::gate {
@@ -34,6 +35,11 @@ double MedianPeriod(const Run& run) {
 double SmallestStep(const Eigen::VectorXd& x) {
   const double step = Resolution(x);
   return step > 0.0 ? step : identify::WhiteNoise(std::span<const Eigen::VectorXd>(&x, 1));
+}
+
+double StepsIn(const Eigen::VectorXd& x) {
+  const double step = SmallestStep(x);
+  return step > 0.0 ? Range(x) / step : 0.0;
 }
 
 std::vector<Span> EqualSpans(const Eigen::VectorXd& x, Eigen::Index rows) {
@@ -111,24 +117,32 @@ double HalfWidth_s(const Run& run, Signal signal) {
   const std::vector<double> at = Centres(run, coarse, 1000);
   if (at.empty()) return coarse;
   const Local local = LocalCubics(run, {signal}, coarse, at).at(signal);
-  const double speed = std::sqrt(local.rate.squaredNorm() / static_cast<double>(local.rate.size()));
+  const double speed = identify::Rms(local.rate);
   const double spread = StandardDeviationOf(run.At(signal));
   if (!(speed > 0.0)) return coarse;
   return std::clamp(0.25 * spread / speed, 5.0 * period, std::max(5.0 * period, duration / 50.0));
 }
 
 Measurement Measure(std::string_view rule, Signal signal, const Run& run, Span rows,
-                    double statistic) {
-  Measurement out;
-  out.rule = rule;
-  out.signal = types::SignalName(signal);
-  out.recording = run.name;
-  out.first_row = rows.first;
-  out.last_row = rows.last;
-  out.from_s = run.time_s[rows.first];
-  out.to_s = run.time_s[rows.last];
-  out.statistic = statistic;
-  return out;
+                    double statistic, std::string reason, std::string remedy) {
+  return {.rule = std::string(rule),
+          .signal = std::string(types::SignalName(signal)),
+          .recording = run.name,
+          .first_row = rows.first,
+          .last_row = rows.last,
+          .from_s = run.time_s[rows.first],
+          .to_s = run.time_s[rows.last],
+          .statistic = statistic,
+          .reason = std::move(reason),
+          .remedy = std::move(remedy)};
+}
+
+std::optional<Signal> OnlyDrive(const actuator::JointModel& model) {
+  const auto drives =
+      std::count_if(model.terms.begin(), model.terms.end(), [&model](const actuator::Term& term) {
+        return model.Counts(term) && term.effect->info().role == effects::Role::kDrive;
+      });
+  return drives == 1 ? std::optional(identify::DriveSignal(model)) : std::nullopt;
 }
 
 Span WholeRun(const Run& run) { return {0, std::max<Eigen::Index>(run.size() - 1, 0)}; }

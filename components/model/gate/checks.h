@@ -8,8 +8,7 @@
 
 namespace sinew::gate {
 
-std::vector<Measurement> CheckConstants(const std::vector<types::Run>& runs,
-                                        const actuator::JointModel& model);
+std::vector<Measurement> CheckConstants(const actuator::JointModel& model);
 // Stamps, non-finite values, constant and duplicated channels.
 std::vector<Measurement> CheckStructure(const std::vector<types::Run>& runs,
                                         const actuator::JointModel& model);

@@ -27,31 +27,22 @@ constexpr Need kNeeds[] = {
 
 }  // namespace
 
-std::vector<Measurement> CheckConstants(const std::vector<types::Run>& runs,
-                                        const actuator::JointModel& model) {
+std::vector<Measurement> CheckConstants(const actuator::JointModel& model) {
+  const std::string rule = "missing_constant";
   std::vector<Measurement> out;
-  const auto missing = [&](std::string_view reason, std::string_view remedy) {
-    Measurement at;
-    at.rule = "missing_constant";
-    at.statistic = 1.0;
-    at.reason = reason;
-    at.remedy = remedy;
-    out.push_back(std::move(at));
-  };
   const bool rotary = model.kind == types::JointKind::kRevolute;
   for (const Need& need : kNeeds) {
     if (model.Find(need.effect) < 0 || model.constants.*need.constant > 0.0) continue;
     // A linear joint carries its payload along a horizontal axis.
     if (!rotary && need.constant == &effects::JointConstants::gravity_m_s2) continue;
-    missing("the term " + std::string(need.effect) + " needs a constant that the model lacks.",
-            "Add to `constants` of joint " + model.name + ": `" + std::string(need.line) + "`.");
+    out.push_back({.rule = rule,
+                   .statistic = 1.0,
+                   .reason = "the term " + std::string(need.effect) +
+                             " needs a constant that the model lacks.",
+                   .remedy = "Add to `constants` of joint " + model.name + ": `" +
+                             std::string(need.line) + "`."});
   }
-  if (out.empty()) {
-    Measurement none;
-    none.rule = "missing_constant";
-    out.push_back(std::move(none));
-  }
-  (void)runs;
+  if (out.empty()) out.push_back({.rule = rule});
   return out;
 }
 

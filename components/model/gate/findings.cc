@@ -5,7 +5,6 @@
 #include "components/base/types/joined.h"
 #include "components/base/types/seconds.h"
 #include "components/model/gate/checks.h"
-#include "components/model/identify/processing.h"
 #include "components/model/identify/statistics.h"
 #include "components/model/identify/uniform.h"
 
@@ -109,12 +108,9 @@ std::string RatesText(const std::vector<Run>& runs, const std::vector<Sampling>&
 
 std::vector<Finding> SaturationFindings(const std::vector<Run>& runs,
                                         const actuator::JointModel& model) {
-  int drives = 0;
-  for (const actuator::Term& term : model.terms) {
-    drives += model.Counts(term) && term.effect->info().role == effects::Role::kDrive;
-  }
-  if (drives != 1) return {};
-  const Signal drive = identify::DriveSignal(model);
+  const std::optional<Signal> only = OnlyDrive(model);
+  if (!only) return {};
+  const Signal drive = *only;
   double saturated = 0.0, largest = 0.0;
   for (const Run& run : runs) {
     if (!run.Has(drive)) continue;
@@ -211,13 +207,10 @@ std::vector<Finding> FindSampling(const std::vector<Run>& runs) {
 
 std::vector<Finding> FindChannels(const std::vector<Run>& runs, const actuator::JointModel& model) {
   std::vector<Finding> out = SaturationFindings(runs, model);
-  const auto append = [&out](std::vector<Finding> more) {
-    for (Finding& at : more) out.push_back(std::move(at));
-  };
-  append(ChannelFindings(runs, model));
+  Append(ChannelFindings(runs, model), &out);
   if (runs.front().held) return out;
-  append(LagOf(runs.front(), Signal::kPosition, Signal::kVelocity));
-  append(LagOf(runs.front(), Signal::kMotorPosition, Signal::kMotorVelocity));
+  Append(LagOf(runs.front(), Signal::kPosition, Signal::kVelocity), &out);
+  Append(LagOf(runs.front(), Signal::kMotorPosition, Signal::kMotorVelocity), &out);
   return out;
 }
 

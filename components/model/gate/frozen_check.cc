@@ -29,6 +29,13 @@ double RangeOver(const Eigen::VectorXd& x, Span rows) {
   return part.maxCoeff() - part.minCoeff();
 }
 
+Measurement Said(Measurement worst, const std::string& what) {
+  worst.reason = "it is equal to the bit over " +
+                 std::to_string(worst.last_row - worst.first_row + 1) + " rows " + what;
+  worst.remedy = "Cut these rows out of the file.";
+  return worst;
+}
+
 // `suspect` is equal to the bit over spans; a and b measure the same displacement, one of them by
 // the suspect.
 Measurement ComparePair(const Run& run, Signal suspect, const Eigen::VectorXd& a,
@@ -64,11 +71,7 @@ Measurement ComparePair(const Run& run, Signal suspect, const Eigen::VectorXd& a
     if (statistic <= worst.statistic) continue;
     worst = Measure("frozen", suspect, run, {span.first, span.last - 1}, statistic);
   }
-  worst.reason = "it is equal to the bit over " +
-                 std::to_string(worst.last_row - worst.first_row + 1) + " rows while " + other +
-                 " says that it must change.";
-  worst.remedy = "Cut these rows out of the file.";
-  return worst;
+  return Said(std::move(worst), "while " + other + " says that it must change.");
 }
 
 // Alone: an angle that holds still and then jumps to where it should be.
@@ -78,13 +81,8 @@ Measurement JumpAtEnd(const Run& run, Signal signal) {
   const double period = MedianPeriod(run);
   std::vector<char> ends(static_cast<std::size_t>(x.size()), 0);
   for (const Span& span : spans) ends[static_cast<std::size_t>(span.last)] = 1;
-  std::vector<double> steps;
-  for (Eigen::Index i = 0; i + 1 < x.size(); ++i) {
-    if (ends[static_cast<std::size_t>(i)] == 0 && x[i + 1] != x[i]) {
-      steps.push_back(std::abs(x[i + 1] - x[i]));
-    }
-  }
-  const double usual = QuantileOf(steps, 0.999) + Resolution(x);
+  const auto within = [&](Eigen::Index row) { return ends[static_cast<std::size_t>(row)] == 0; };
+  const double usual = QuantileOf(ChangesWhere(x, within), 0.999) + Resolution(x);
   Measurement worst = Measure("frozen", signal, run, {0, 0}, 0.0);
   for (const Span& span : spans) {
     if (span.last + 1 >= x.size() || !(usual > 0.0)) continue;
@@ -92,20 +90,13 @@ Measurement JumpAtEnd(const Run& run, Signal signal) {
     const double statistic = std::abs(x[span.last + 1] - x[span.last]) / usual;
     if (statistic > worst.statistic) worst = Measure("frozen", signal, run, span, statistic);
   }
-  worst.reason = "it is equal to the bit over " +
-                 std::to_string(worst.last_row - worst.first_row + 1) +
-                 " rows and then jumps further than it ever moves within a row.";
-  worst.remedy = "Cut these rows out of the file.";
-  return worst;
+  return Said(std::move(worst), "and then jumps further than it ever moves within a row.");
 }
 
 // Does the channel step by single counts? Then a level that stays is one that the noise does not
 // carry over the edge of a count, and only a jump by more shows that the channel had stopped.
 bool StepsByCounts(const Eigen::VectorXd& x) {
-  std::vector<double> steps;
-  for (Eigen::Index i = 0; i + 1 < x.size(); ++i) {
-    if (x[i + 1] != x[i]) steps.push_back(std::abs(x[i + 1] - x[i]));
-  }
+  const std::vector<double> steps = ChangesWhere(x, [](Eigen::Index) { return true; });
   return !steps.empty() && QuantileOf(steps, 0.9) < 1.5 * Resolution(x);
 }
 
@@ -115,13 +106,8 @@ struct JumpsOf {
 };
 
 JumpsOf Jumps(const Eigen::VectorXd& x, const Span& span) {
-  std::vector<double> steps;
-  for (Eigen::Index i = 0; i + 1 < x.size(); ++i) {
-    if (x[i + 1] != x[i] && i + 1 != span.first && i != span.last) {
-      steps.push_back(std::abs(x[i + 1] - x[i]));
-    }
-  }
-  const double furthest = QuantileOf(steps, 0.999) + 0.5 * Resolution(x);
+  const auto beside = [&](Eigen::Index row) { return row + 1 != span.first && row != span.last; };
+  const double furthest = QuantileOf(ChangesWhere(x, beside), 0.999) + 0.5 * Resolution(x);
   JumpsOf out;
   out.at_start = span.first > 0 && std::abs(x[span.first] - x[span.first - 1]) > furthest;
   out.at_end = span.last + 1 < x.size() && std::abs(x[span.last + 1] - x[span.last]) > furthest;
@@ -244,11 +230,7 @@ Measurement LongRun(const Run& run, Signal signal, Signal joint_angle,
     const double statistic = lengths[i] / usual;
     if (statistic > worst.statistic) worst = Measure("frozen", signal, run, runs[i], statistic);
   }
-  worst.reason = "it is equal to the bit over " +
-                 std::to_string(worst.last_row - worst.first_row + 1) +
-                 " rows while the joint moves; chance makes " + Number(usual) + ".";
-  worst.remedy = "Cut these rows out of the file.";
-  return worst;
+  return Said(std::move(worst), "while the joint moves; chance makes " + Number(usual) + ".");
 }
 
 std::vector<char> MovingRows(const Run& run, Signal angle) {
@@ -257,7 +239,7 @@ std::vector<char> MovingRows(const Run& run, Signal angle) {
   const std::vector<double> at = Centres(run, half, 8000);
   if (at.empty()) return out;
   const Eigen::VectorXd rate = LocalCubics(run, {angle}, half, at).at(angle).rate;
-  const double least = 0.2 * std::sqrt(rate.squaredNorm() / static_cast<double>(rate.size()));
+  const double least = 0.2 * identify::Rms(rate);
   std::size_t k = 0;
   for (Eigen::Index i = 0; i < run.size(); ++i) {
     while (k + 1 < at.size() && at[k + 1] <= run.time_s[i]) ++k;

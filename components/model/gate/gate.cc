@@ -41,10 +41,6 @@ SoundRuns Sound(const SoundRuns& before, const std::vector<Measurement>& measure
   return out;
 }
 
-void Append(std::vector<Measurement> more, std::vector<Measurement>* all) {
-  for (Measurement& at : more) all->push_back(std::move(at));
-}
-
 // One line for a channel of a recording, however many ways of looking agree.
 bool HasLarger(const std::vector<Measurement>& all, const Measurement& one) {
   for (const Measurement& at : all) {
@@ -97,7 +93,7 @@ std::vector<Measurement> LeaveOutSpikes(bool leave_out, SoundRuns* sound, GateRe
   for (std::size_t i = 0; i < sound->runs.size(); ++i) {
     SpikeCheck check = CheckSpikes(sound->runs[i], leave_out);
     Append(std::move(check.measured), &measured);
-    for (identify::Finding& at : check.findings) report->findings.push_back(std::move(at));
+    Append(std::move(check.findings), &report->findings);
     for (LeftOut& at : check.left_out) {
       at.run = i;
       here.push_back(at);
@@ -132,10 +128,7 @@ void Decide(std::vector<Measurement> all, const GateOptions& options, GateReport
       at.limit = rule.limit;
       if (largest == nullptr || at.statistic > largest->statistic) largest = &at;
       if (!(at.statistic > rule.limit) || HasLarger(all, at)) continue;
-      Fault fault;
-      static_cast<Measurement&>(fault) = at;
-      fault.accepted = options.accepted.contains(at.rule);
-      out->faults.push_back(std::move(fault));
+      out->faults.push_back({at, options.accepted.contains(at.rule)});
     }
     if (largest != nullptr) out->largest.push_back(*largest);
   }
@@ -154,7 +147,7 @@ GateReport ExamineData(const std::vector<Run>& runs, const actuator::JointModel&
   GateReport out;
   SoundRuns sound{runs, std::vector<std::size_t>(runs.size())};
   std::iota(sound.places.begin(), sound.places.end(), std::size_t{0});
-  std::vector<Measurement> all = CheckConstants(runs, model);
+  std::vector<Measurement> all = CheckConstants(model);
   // Later checks do without what these found.
   const auto apply = [&](std::vector<Measurement> measured) {
     sound = Sound(sound, measured);
@@ -177,10 +170,7 @@ GateReport ExamineData(const std::vector<Run>& runs, const actuator::JointModel&
   Append(CheckRecordings(sound.runs), &all);
   for (std::size_t i = with_all_rows; i < all.size(); ++i) CountLeftOut(out, runs, &all[i]);
   Decide(std::move(all), options, &out);
-  if (sound.runs.empty()) return out;
-  for (identify::Finding& at : FindChannels(sound.runs, model)) {
-    out.findings.push_back(std::move(at));
-  }
+  if (!sound.runs.empty()) Append(FindChannels(sound.runs, model), &out.findings);
   return out;
 }
 

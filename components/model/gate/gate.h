@@ -20,15 +20,15 @@ namespace sinew::gate {
 
 // Measurement by a rule on a channel of a recording, or on all of them.
 struct Measurement {
-  std::string rule;
-  std::string signal;                         // "motor_current"; empty: none in particular
-  std::string recording;                      // empty: all of them, or the model
+  std::string rule{};
+  std::string signal{};                       // "motor_current"; empty: none in particular
+  std::string recording{};                    // empty: all of them, or the model
   Eigen::Index first_row = 0, last_row = -1;  // last < first: no rows
   double from_s = 0.0, to_s = 0.0;
   double statistic = 0.0;
   double limit = 0.0;
-  std::string reason;  // a sentence
-  std::string remedy;  // a sentence
+  std::string reason{};  // a sentence
+  std::string remedy{};  // a sentence
 };
 
 struct Fault : Measurement {

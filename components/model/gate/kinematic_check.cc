@@ -22,11 +22,8 @@ struct Agreement {
 // Over instants at which either moves.
 Agreement Compare(const Eigen::VectorXd& measured, const Eigen::VectorXd& derived) {
   Agreement out;
-  const auto rms = [](const Eigen::VectorXd& x) {
-    return std::sqrt(x.squaredNorm() / static_cast<double>(x.size()));
-  };
   if (measured.size() < 20) return out;
-  const double a = rms(measured), b = rms(derived);
+  const double a = identify::Rms(measured), b = identify::Rms(derived);
   if (!(a > 0.0) || !(b > 0.0)) return out;
   out.ratio = a / b;
   out.correlation = measured.dot(derived) / (a * b * static_cast<double>(measured.size()));
@@ -58,6 +55,10 @@ std::string GuessUnit(double ratio) {
   return "";
 }
 
+// A wrap stands out: noise of a joint at rest jumps by most of its range, but so does every row.
+// One of 10^10 normal values is ten times as large as the median.
+constexpr double kStandsOut = 10.0;
+
 }  // namespace
 
 std::vector<Measurement> CheckKinematics(const Run& run, const actuator::JointModel& model) {
@@ -69,14 +70,14 @@ std::vector<Measurement> CheckKinematics(const Run& run, const actuator::JointMo
     // The sizes of two that do not move together say nothing about units.
     const double together = std::abs(at.correlation);
     const double factor = together > 0.7 ? std::max(at.ratio, 1.0 / at.ratio) : 1.0;
-    Measurement scale = Measure(units, signal, run, WholeRun(run), factor);
-    scale.reason = "it is " + Number(at.ratio) + " times " + what + GuessUnit(at.ratio) + ".";
-    scale.remedy = "Correct " + remedy + ".";
-    out.push_back(std::move(scale));
-    Measurement turned = Measure(sign, signal, run, WholeRun(run), -at.correlation);
-    turned.reason = "it goes against " + what + " (correlation " + Number(at.correlation) + ").";
-    turned.remedy = "Correct the sign of one of the two in the mapping.";
-    out.push_back(std::move(turned));
+    out.push_back(
+        Measure(units, signal, run, WholeRun(run), factor,
+                "it is " + Number(at.ratio) + " times " + what + GuessUnit(at.ratio) + ".",
+                "Correct " + remedy + "."));
+    out.push_back(
+        Measure(sign, signal, run, WholeRun(run), -at.correlation,
+                "it goes against " + what + " (correlation " + Number(at.correlation) + ").",
+                "Correct the sign of one of the two in the mapping."));
   };
   const auto speed = [&](Signal angle, Signal measured) {
     if (!run.Has(angle) || !run.Has(measured)) return;
@@ -111,14 +112,6 @@ std::vector<Measurement> CheckKinematics(const Run& run, const actuator::JointMo
   }
   return out;
 }
-
-namespace {
-
-// A wrap stands out: noise of a joint at rest jumps by most of its range, but so does every row.
-// One of 10^10 normal values is ten times as large as the median.
-constexpr double kStandsOut = 10.0;
-
-}  // namespace
 
 std::vector<Measurement> CheckWrapped(const Run& run) {
   std::vector<Measurement> out;
@@ -166,11 +159,11 @@ std::vector<Measurement> CheckWrapped(const Run& run) {
         where = i;
       }
     }
-    Measurement at = Measure("wrapped", signal, run, {where, where + 1}, most);
-    at.reason = "it jumps by " + Number(jump[where]) + " " +
-                std::string(types::SignalUnit(signal, run.kind)) + " between two rows and stays.";
-    at.remedy = "Unwrap the angle before it is written, or map a channel that counts turns.";
-    out.push_back(std::move(at));
+    out.push_back(Measure(
+        "wrapped", signal, run, {where, where + 1}, most,
+        "it jumps by " + Number(jump[where]) + " " +
+            std::string(types::SignalUnit(signal, run.kind)) + " between two rows and stays.",
+        "Unwrap the angle before it is written, or map a channel that counts turns."));
   }
   return out;
 }

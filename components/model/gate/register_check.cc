@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "components/model/gate/checks.h"
+#include "components/model/identify/statistics.h"
 
 namespace sinew::gate {
 
@@ -57,7 +58,7 @@ std::vector<Direction> DirectionsOf(const Run& run, Signal angle) {
   std::vector<Direction> out;
   if (at.size() < 50) return out;
   const Eigen::VectorXd rate = LocalCubics(run, {angle}, half, at).at(angle).rate;
-  const double least = kMoves * std::sqrt(rate.squaredNorm() / static_cast<double>(rate.size()));
+  const double least = kMoves * identify::Rms(rate);
   Eigen::Index row = 0;
   for (std::size_t k = 0; k < at.size(); ++k) {
     while (row + 1 < run.size() && run.time_s[row] < at[k]) ++row;
@@ -99,14 +100,12 @@ std::vector<Measurement> CheckRegisters(const Run& run) {
         !FollowDirection(x, groups, directions)) {
       continue;
     }
-    Measurement at = Measure("wrapped", signal, run, WholeRun(run), groups.gap() / groups.range());
-    at.reason =
-        "its values lie in two groups, one for each direction of motion, with nothing "
-        "between " +
-        Number(groups.low) + " and " + Number(groups.high) +
-        ": the bit of the sign counts as a part of the number.";
-    at.remedy = "Write the channel as a signed number before it is mapped.";
-    out.push_back(std::move(at));
+    out.push_back(Measure("wrapped", signal, run, WholeRun(run), groups.gap() / groups.range(),
+                          "its values lie in two groups, one for each direction of motion, with "
+                          "nothing between " +
+                              Number(groups.low) + " and " + Number(groups.high) +
+                              ": the bit of the sign counts as a part of the number.",
+                          "Write the channel as a signed number before it is mapped."));
   }
   return out;
 }

@@ -67,10 +67,7 @@ Distance FromParabola(const Run& run, const Eigen::VectorXd& x, Eigen::Index row
 // The step of a converter also where the channel rests: the low end of all changes, their middle
 // where most rows repeat the one before.
 double SmallSteps(const Eigen::VectorXd& x) {
-  std::vector<double> steps;
-  for (Eigen::Index i = 1; i < x.size(); ++i) {
-    if (x[i] != x[i - 1]) steps.push_back(std::abs(x[i] - x[i - 1]));
-  }
+  std::vector<double> steps = ChangesWhere(x, [](Eigen::Index) { return true; });
   const bool rests = 2 * static_cast<Eigen::Index>(steps.size()) < x.size();
   return QuantileOf(std::move(steps), rests ? 0.5 : 0.05);
 }
@@ -197,16 +194,15 @@ std::string Where(const Run& run, Signal signal, const std::vector<Eigen::Index>
 Measurement MeasureRow(const Run& run, Signal signal, Eigen::Index row, double statistic,
                        std::size_t count) {
   const Eigen::VectorXd& x = run.At(signal);
-  Measurement at = Measure("spike", signal, run, {row, row}, statistic);
   const bool first = row == 0, last = row + 1 == x.size();
-  at.reason = "the value " + Number(x[row]) + " " +
-              std::string(types::SignalUnit(signal, run.kind)) + " stands alone " +
-              (first  ? "before " + Number(x[row + 1])
-               : last ? "after " + Number(x[row - 1])
-                      : "between " + Number(x[row - 1]) + " and " + Number(x[row + 1])) +
-              (count > 1 ? ", and " + std::to_string(count - 1) + " more like it." : ".");
-  at.remedy = "Leave the rows out of the file (a missing row is no fault).";
-  return at;
+  return Measure("spike", signal, run, {row, row}, statistic,
+                 "the value " + Number(x[row]) + " " +
+                     std::string(types::SignalUnit(signal, run.kind)) + " stands alone " +
+                     (first  ? "before " + Number(x[row + 1])
+                      : last ? "after " + Number(x[row - 1])
+                             : "between " + Number(x[row - 1]) + " and " + Number(x[row + 1])) +
+                     (count > 1 ? ", and " + std::to_string(count - 1) + " more like it." : "."),
+                 "Leave the rows out of the file (a missing row is no fault).");
 }
 
 // One channel of a recording.

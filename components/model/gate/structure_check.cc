@@ -23,50 +23,48 @@ double StepsMoved(const Run& run, Signal but) {
   for (const Signal signal : kMotion) {
     if (signal == but || !run.Has(signal)) continue;
     const Eigen::VectorXd& x = run.At(signal);
-    if (!x.allFinite()) continue;
-    const double step = SmallestStep(x);
-    if (step > 0.0) most = std::max(most, Range(x) / step);
+    if (x.allFinite()) most = std::max(most, StepsIn(x));
   }
   return most;
 }
 
+struct BadRows {
+  Eigen::Index count = 0;
+  Span span{0, -1};  // from the first to the last
+};
+
+template <class Bad>
+BadRows FindBadRows(const Run& run, const Bad& bad) {
+  BadRows out;
+  for (Eigen::Index row = 0; row < run.size(); ++row) {
+    if (!bad(row)) continue;
+    if (out.count++ == 0) out.span.first = row;
+    out.span.last = row;
+  }
+  return out;
+}
+
 void CheckFinite(const Run& run, std::vector<Measurement>* out) {
   for (const auto& [signal, x] : run.signals) {
-    Eigen::Index bad = 0;
-    Span rows{0, -1};
-    for (Eigen::Index i = 0; i < x.size(); ++i) {
-      if (std::isfinite(x[i])) continue;
-      if (bad++ == 0) rows.first = i;
-      rows.last = i;
-    }
-    if (bad == 0) continue;
-    Measurement at = Measure("non_finite", signal, run, rows, static_cast<double>(bad));
-    at.reason = std::to_string(bad) + " values are no numbers.";
-    at.remedy = "Leave these rows out of the file.";
-    out->push_back(std::move(at));
+    const BadRows bad =
+        FindBadRows(run, [&values = x](Eigen::Index row) { return !std::isfinite(values[row]); });
+    if (bad.count == 0) continue;
+    out->push_back(Measure("non_finite", signal, run, bad.span, static_cast<double>(bad.count),
+                           std::to_string(bad.count) + " values are no numbers.",
+                           "Leave these rows out of the file."));
   }
 }
 
 void CheckStamps(const Run& run, std::vector<Measurement>* out) {
-  Eigen::Index bad = 0;
-  Span rows{0, -1};
-  for (Eigen::Index i = 0; i < run.size(); ++i) {
-    if (i > 0 ? run.time_s[i] > run.time_s[i - 1] : std::isfinite(run.time_s[0])) continue;
-    if (bad++ == 0) rows.first = i;
-    rows.last = i;
-  }
-  if (bad == 0) return;
-  Measurement at;
-  at.rule = "stamps";
-  at.recording = run.name;
-  at.first_row = rows.first;
-  at.last_row = rows.last;
-  at.from_s = run.time_s[rows.first];
-  at.to_s = run.time_s[rows.last];
-  at.statistic = static_cast<double>(bad);
-  at.reason = std::to_string(bad) + " rows are stamped no later than the row before.";
-  at.remedy = "Sort the rows, or cut the file where its clock was set back.";
-  out->push_back(std::move(at));
+  const BadRows bad = FindBadRows(run, [&run](Eigen::Index row) {
+    return row > 0 ? !(run.time_s[row] > run.time_s[row - 1]) : !std::isfinite(run.time_s[0]);
+  });
+  if (bad.count == 0) return;
+  out->push_back(Measure("stamps", Signal::kPosition, run, bad.span, static_cast<double>(bad.count),
+                         std::to_string(bad.count) + " rows are stamped no later than the row "
+                                                     "before.",
+                         "Sort the rows, or cut the file where its clock was set back."));
+  out->back().signal.clear();
 }
 
 void CheckConstantChannels(const std::vector<Run>& runs, std::vector<Measurement>* out) {
@@ -83,17 +81,13 @@ void CheckConstantChannels(const std::vector<Run>& runs, std::vector<Measurement
                                                              : Signal::kMotorPosition;
       double steps = 0.0;
       if (motor) {
-        if (run.Has(twin) && run.At(twin).allFinite()) {
-          const double step = SmallestStep(run.At(twin));
-          steps = step > 0.0 ? Range(run.At(twin)) / step : 0.0;
-        }
+        if (run.Has(twin) && run.At(twin).allFinite()) steps = StepsIn(run.At(twin));
       } else {
         steps = StepsMoved(run, signal);
       }
-      Measurement at = Measure("constant", signal, run, WholeRun(run), steps);
-      at.reason = "it has one value while the joint moves.";
-      at.remedy = "Take the channel out of the mapping, or map the column that holds it.";
-      out->push_back(std::move(at));
+      out->push_back(Measure(
+          "constant", signal, run, WholeRun(run), steps, "it has one value while the joint moves.",
+          "Take the channel out of the mapping, or map the column that holds it."));
     }
   }
   for (const Signal signal : kDrives) {
@@ -106,11 +100,10 @@ void CheckConstantChannels(const std::vector<Run>& runs, std::vector<Measurement
       steps = std::max(steps, StepsMoved(run, signal));
     }
     if (!some || changes) continue;
-    Measurement at = Measure("constant", signal, runs.front(), WholeRun(runs.front()), steps);
-    at.recording.clear();
-    at.reason = "the drive has one value in all recordings while the joint moves.";
-    at.remedy = "Map the column that holds the drive.";
-    out->push_back(std::move(at));
+    out->push_back(Measure("constant", signal, runs.front(), WholeRun(runs.front()), steps,
+                           "the drive has one value in all recordings while the joint moves.",
+                           "Map the column that holds the drive."));
+    out->back().recording.clear();
   }
 }
 
@@ -128,12 +121,10 @@ void CheckDuplicates(const Run& run, const actuator::JointModel& model,
       const double share = static_cast<double>((x.array() == y.array()).count()) /
                            static_cast<double>(std::max<Eigen::Index>(x.size(), 1));
       // Two switches agree by chance; two sensors do not.
-      const double steps = SmallestStep(x) > 0.0 ? Range(x) / SmallestStep(x) : 0.0;
-      Measurement at =
-          Measure("duplicated", b->first, run, WholeRun(run), steps > 20.0 ? share : 0.0);
-      at.reason = "it is the same column as " + std::string(types::SignalName(a->first)) + ".";
-      at.remedy = "Map each signal to its own column.";
-      out->push_back(std::move(at));
+      out->push_back(
+          Measure("duplicated", b->first, run, WholeRun(run), StepsIn(x) > 20.0 ? share : 0.0,
+                  "it is the same column as " + std::string(types::SignalName(a->first)) + ".",
+                  "Map each signal to its own column."));
     }
   }
 }
@@ -201,11 +192,11 @@ std::vector<Measurement> CheckRecordings(const std::vector<Run>& runs) {
       const double both =
           factor > 1.0 ? std::min(factor, by_range) : std::min(1.0 / factor, 1.0 / by_range);
       const Run& run = runs[one.run];
-      Measurement at = Measure("recording_differs", signal, run, WholeRun(run),
-                               IsUnitFactor(factor) ? std::max(both, 1.0) : 1.0);
-      at.reason = "its steps are " + Number(factor) + " times as large as in the other recordings.";
-      at.remedy = "Give this file a mapping of its own, with the unit of its column.";
-      out.push_back(std::move(at));
+      out.push_back(
+          Measure("recording_differs", signal, run, WholeRun(run),
+                  IsUnitFactor(factor) ? std::max(both, 1.0) : 1.0,
+                  "its steps are " + Number(factor) + " times as large as in the other recordings.",
+                  "Give this file a mapping of its own, with the unit of its column."));
     }
   }
   return out;

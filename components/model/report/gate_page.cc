@@ -40,24 +40,29 @@ Series RowsOf(const Run& run, Signal signal, Eigen::Index first, Eigen::Index la
   const Eigen::VectorXd& x = run.At(signal);
   for (Eigen::Index i = first; i <= last; ++i) {
     if (!std::isfinite(x[i]) || !std::isfinite(run.time_s[i])) continue;
-    out.x.push_back(run.time_s[i]);
-    out.y.push_back(x[i]);
+    out.Add(run.time_s[i], x[i]);
   }
   return out;
 }
 
-std::optional<Signal> DriveOf(const Run& run) {
-  for (const Signal signal : {Signal::kMotorCurrent, Signal::kDriveVoltage, Signal::kTorque}) {
+std::optional<Signal> FirstOf(std::initializer_list<Signal> signals, const Run& run) {
+  for (const Signal signal : signals) {
     if (run.Has(signal)) return signal;
   }
   return std::nullopt;
 }
 
+std::optional<Signal> DriveOf(const Run& run) {
+  return FirstOf({Signal::kMotorCurrent, Signal::kDriveVoltage, Signal::kTorque}, run);
+}
+
 std::optional<Signal> AngleOf(const Run& run) {
-  for (const Signal signal : {Signal::kPosition, Signal::kMotorPosition}) {
-    if (run.Has(signal)) return signal;
-  }
-  return std::nullopt;
+  return FirstOf({Signal::kPosition, Signal::kMotorPosition}, run);
+}
+
+std::string TitleOf(const Fault& fault) {
+  return fault.rule + ": " + fault.signal +
+         (fault.recording.empty() ? "" : " of " + fault.recording);
 }
 
 // The channel around its faulty rows, and the angle beside it.
@@ -80,8 +85,7 @@ Picture AtRows(const Fault& fault, const Run& run, Signal signal) {
     panels.push_back(
         {Label(*beside, run.kind), {RowsOf(run, *beside, first, last, kAfterColour, "")}});
   }
-  return Stack(fault.rule + ": " + fault.signal + " of " + fault.recording, fault.reason, run,
-               panels);
+  return Stack(TitleOf(fault), fault.reason, run, panels);
 }
 
 // Two speeds that should be one.
@@ -107,8 +111,7 @@ Picture Speeds(const Fault& fault, const Run& run, const actuator::JointModel& m
   }
   const std::string unit =
       run.kind == types::JointKind::kPrismatic && angle == Signal::kPosition ? "m/s" : "rad/s";
-  return Stack(fault.rule + ": " + fault.signal + " of " + fault.recording, fault.reason, run,
-               {{"speed, " + unit, {derived, shown}}});
+  return Stack(TitleOf(fault), fault.reason, run, {{"speed, " + unit, {derived, shown}}});
 }
 
 Picture Overview(const Run& run, const std::string& title, const std::string& caption) {
@@ -161,10 +164,7 @@ std::vector<Picture> MakePictures(const gate::GateReport& gate, const std::vecto
     } else if (signal && run->Has(*signal) && !whole) {
       out.push_back(AtRows(fault, *run, *signal));
     } else if (fault.rule != "missing_constant" && fault.rule != "stamps") {
-      out.push_back(Overview(*run,
-                             fault.rule + ": " + fault.signal +
-                                 (fault.recording.empty() ? "" : " of " + fault.recording),
-                             fault.reason));
+      out.push_back(Overview(*run, TitleOf(fault), fault.reason));
     }
   }
   for (std::size_t i = 0, drawn = 0; i < runs.size() && drawn < kMostRecordings; ++i) {

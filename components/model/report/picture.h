@@ -21,6 +21,11 @@ struct Series {
   std::vector<double> x{}, y{};
   std::string style = "lines lw 1.2";  // gnuplot's
   std::vector<double> spread{};        // standard deviation of y, for styles with bars
+
+  void Add(double at_x, double at_y) {
+    x.push_back(at_x);
+    y.push_back(at_y);
+  }
 };
 
 struct Panel {

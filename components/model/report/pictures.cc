@@ -95,10 +95,7 @@ std::vector<Series> BothModels(const Report& report, const std::string& style) {
 }
 
 void AddPoint(double x, double before, double after, std::vector<Series>* both) {
-  for (std::size_t k = 0; k < both->size(); ++k) {
-    (*both)[k].x.push_back(x);
-    (*both)[k].y.push_back(k == 0 ? before : after);
-  }
+  for (std::size_t k = 0; k < both->size(); ++k) (*both)[k].Add(x, k == 0 ? before : after);
 }
 
 constexpr double kGapInLine = std::numeric_limits<double>::quiet_NaN();
@@ -156,8 +153,7 @@ Picture MeasuredAgainstModel(const Report& report, const Design& held_out,
        ++i) {
     if (rows.time_s[i] > rows.time_s[first] + window_s) break;
     const double unused = rows.used[static_cast<std::size_t>(i)] ? 0.0 : kGapInLine;
-    measured.x.push_back(rows.time_s[i] - rows.time_s[0]);
-    measured.y.push_back(torque[i]);
+    measured.Add(rows.time_s[i] - rows.time_s[0], torque[i]);
     AddPoint(measured.x.back(), torque[i] - trace.before_held_out.residual[i] + unused,
              torque[i] - trace.after_held_out.residual[i] + unused, &models);
   }
@@ -217,10 +213,7 @@ Picture ResidualOverVariable(const Report& report, const Design& design, const A
   Eigen::VectorXd x = design.Variable(axis.get);
   if (axis.name == "time_s") x.array() -= x[0];
   Series rows = {"refitted, every row", "#f0b98a", {}, {}, "points pt 7 ps 0.28"};
-  for (const Eigen::Index i : used) {
-    rows.x.push_back(x[i]);
-    rows.y.push_back(before[i]);
-  }
+  for (const Eigen::Index i : used) rows.Add(x[i], before[i]);
   std::vector<Series> series = BothModels(report, "linespoints pt 7 ps 0.4 lw 2");
   for (Series& mean : series) mean.name += ", mean";
   // Within a motor turn there may be many periods.
@@ -291,18 +284,15 @@ Picture Candidates(std::vector<trace::CandidateScore> shown) {
             (score.accepted ? "1" : "0") + "\n";
   }
   data += "EOD\n";
-  Picture out;
-  out.title = "Candidates";
-  out.caption =
-      "Part of the whitened misfit that each candidate removes by itself. Coloured: selected.";
-  out.script = PictureHead(70 + 30 * std::max(3, count)) + data +
-               "unset key\nset grid noy x\nset ytics textcolor rgb '#333333'\nset yrange [0.3:" +
-               PictureNumber(count + 0.7) +
-               "]\nset xlabel 'misfit removed, %'\n"
-               "col(c) = c == 1 ? 0x1b7f9e : 0xc9c9c9\n"
-               "plot $c u (0):1:(0):2:($1-0.3):($1+0.3):(col($4)):ytic(3) w boxxyerror fs solid 1 "
-               "noborder lc rgb variable\n";
-  return out;
+  return {"Candidates",
+          "Part of the whitened misfit that each candidate removes by itself. Coloured: selected.",
+          PictureHead(70 + 30 * std::max(3, count)) + data +
+              "unset key\nset grid noy x\nset ytics textcolor rgb '#333333'\nset yrange [0.3:" +
+              PictureNumber(count + 0.7) +
+              "]\nset xlabel 'misfit removed, %'\n"
+              "col(c) = c == 1 ? 0x1b7f9e : 0xc9c9c9\n"
+              "plot $c u (0):1:(0):2:($1-0.3):($1+0.3):(col($4)):ytic(3) w boxxyerror fs solid 1 "
+              "noborder lc rgb variable\n"};
 }
 
 Picture ErrorsBeforeAndAfter(const Report& report) {
@@ -324,23 +314,21 @@ Picture ErrorsBeforeAndAfter(const Report& report) {
     add("corrected", trace.after_train.rms, trace.after_held_out.rms);
   }
   data += "EOD\n";
-  Picture out;
-  out.title = "Error, refitted and corrected";
-  out.caption =
+  const std::string floor = PictureNumber(trace.noise_floor_rms);
+  return {
+      "Error, refitted and corrected",
       "Root mean square of the residual. Dashed: noise floor (" +
-      (trace.noise_floor_source.empty() ? std::string("unknown") : trace.noise_floor_source) + ").";
-  const double floor = trace.noise_floor_rms;
-  out.script = PictureHead(300) + data +
-               "set style fill solid 1 noborder\nset boxwidth 0.32\nset xrange [-0.6:" +
-               PictureNumber(at - 0.4) +
-               "]\nset yrange [0:*]\nset grid nox\nset ylabel 'residual, " + unit +
-               "'\nset arrow from graph 0, first " + PictureNumber(floor) + " to graph 1, first " +
-               PictureNumber(floor) + " nohead dt 2 lw 1.5 lc rgb '#777777' front\n" +
-               "plot $e u ($1-0.17):3:xtic(2) w boxes lc rgb '#bdbdbd' t 'training', '' u "
-               "($1+0.17):4 w boxes "
-               "lc rgb '" +
-               kAfterColour + "' t 'held out'\n";
-  return out;
+          (trace.noise_floor_source.empty() ? std::string("unknown") : trace.noise_floor_source) +
+          ").",
+      PictureHead(300) + data +
+          "set style fill solid 1 noborder\nset boxwidth 0.32\nset xrange [-0.6:" +
+          PictureNumber(at - 0.4) + "]\nset yrange [0:*]\nset grid nox\nset ylabel 'residual, " +
+          unit + "'\nset arrow from graph 0, first " + floor + " to graph 1, first " + floor +
+          " nohead dt 2 lw 1.5 lc rgb '#777777' front\n" +
+          "plot $e u ($1-0.17):3:xtic(2) w boxes lc rgb '#bdbdbd' t 'training', '' u "
+          "($1+0.17):4 w boxes "
+          "lc rgb '" +
+          kAfterColour + "' t 'held out'\n"};
 }
 
 // No torques: the simulated angle and what was searched for.
@@ -368,8 +356,7 @@ Picture PathPicture(const free_run::FreeRunResult& following, types::JointKind k
   const auto add = [&](const char* name, const char* colour, const std::vector<double>& position) {
     Series series = {name, colour, {}, {}, "lines lw 1.6"};
     for (std::size_t i = 0; i < rows; ++i) {
-      series.x.push_back(trace.period_s * static_cast<double>(i));
-      series.y.push_back(position[i]);
+      series.Add(trace.period_s * static_cast<double>(i), position[i]);
     }
     path.series.push_back(series);
     if (&position == &trace.measured) return;

@@ -18,16 +18,16 @@ namespace sinew::report {
 
 // One figure beside the published one. Text fields are shown as they are; empty ones as a dash.
 struct Comparison {
-  std::string name;         // "backlash"
-  std::string unit;         // "degrees"
-  std::string published;    // "2.66", with its table or figure number in `source`
-  std::string source;       // "Fig 5.1"
-  std::string ours;         // "2.662"
-  std::string interval;     // 95 %: "2.655 .. 2.669"
-  std::string truth;        // of the surrogate, where there is one
-  std::string target;       // "within 0.05 degrees"
-  std::optional<bool> met;  // of the target; nothing: no target
-  std::string remark;
+  std::string name{};         // "backlash"
+  std::string unit{};         // "degrees"
+  std::string published{};    // "2.66", with its table or figure number in `source`
+  std::string source{};       // "Fig 5.1"
+  std::string ours{};         // "2.662"
+  std::string interval{};     // 95 %: "2.655 .. 2.669"
+  std::string truth{};        // of the surrogate, where there is one
+  std::string target{};       // "within 0.05 degrees"
+  std::optional<bool> met{};  // of the target; nothing: no target
+  std::string remark{};
 };
 
 struct Table {

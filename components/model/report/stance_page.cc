@@ -89,13 +89,11 @@ Picture SeriesPicture(const stance_fit::BalanceSeries& series, Eigen::Index colu
                       const std::string& what, const std::string& unit) {
   Series before = {"declared", kBeforeColour, {}, {}, "points pt 7 ps 0.3"};
   Series after = {"corrected", kAfterColour, {}, {}, "points pt 7 ps 0.3"};
-  const Eigen::Index rows = series.time_s.size();
-  for (Eigen::Index i = 0; i < rows; ++i) {
-    before.x.push_back(series.time_s[i] - series.time_s[0]);
-    before.y.push_back(series.before(i, column));
-    after.y.push_back(series.after(i, column));
+  for (Eigen::Index i = 0; i < series.time_s.size(); ++i) {
+    const double time_s = series.time_s[i] - series.time_s[0];
+    before.Add(time_s, series.before(i, column));
+    after.Add(time_s, series.after(i, column));
   }
-  after.x = before.x;
   return Chart(what + ": what the models leave of the held-out recordings",
                "Rows in use: both feet flat, every moving joint away from rest and reversals.",
                "time from the start, s", 204, {{unit, {std::move(before), std::move(after)}}});

@@ -35,14 +35,10 @@ class HatCurve final : public effects::Effect {
  public:
   using Getter = double (*)(const JointSample&);
   HatCurve(const char* variable, Getter get, bool by_direction, std::vector<double> knots)
-      : get_(get), by_direction_(by_direction), knots_(std::move(knots)) {
-    info_.name = "curve";
-    info_.variable = variable;
-    info_.needs = {variable};
-    if (by_direction) info_.needs.emplace_back("velocity_rad_s");
-    info_.linear.resize(knots_.size());
-  }
-  const effects::EffectInfo& info() const override { return info_; }
+      : Effect(InfoOf(variable, by_direction, knots.size())),
+        get_(get),
+        by_direction_(by_direction),
+        knots_(std::move(knots)) {}
   void Regressors(const JointSample& x, std::span<const double>, std::span<const double>,
                   std::span<double> phi) const noexcept override {
     const double v = std::clamp(get_(x), knots_.front(), knots_.back());
@@ -56,7 +52,15 @@ class HatCurve final : public effects::Effect {
   }
 
  private:
-  effects::EffectInfo info_;
+  static effects::EffectInfo InfoOf(const char* variable, bool by_direction, std::size_t knots) {
+    effects::EffectInfo info;
+    info.name = "curve";
+    info.needs = {variable};
+    if (by_direction) info.needs.emplace_back("velocity_rad_s");
+    info.linear.resize(knots);
+    return info;
+  }
+
   Getter get_;
   bool by_direction_;
   std::vector<double> knots_;

@@ -19,7 +19,7 @@
 #include "tests/support/program.h"
 #include "tests/support/sinew_program.h"
 #include "tests/support/temporary_folder.h"
-#include "tools/export_model/remarks.h"
+#include "tools/export_model/write_model.h"
 #include "tools/tune_pid/closed_loop.h"
 
 namespace sinew::export_model {

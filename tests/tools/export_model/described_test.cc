@@ -6,7 +6,7 @@
 
 #include "tests/tools/export_model/exported.h"
 #include "tools/export_model/described_robot.h"
-#include "tools/export_model/remarks.h"
+#include "tools/export_model/write_model.h"
 
 namespace sinew::export_model {
 namespace {

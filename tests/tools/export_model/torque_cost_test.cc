@@ -18,7 +18,7 @@
 #include "tests/support/sinew_program.h"
 #include "tests/support/temporary_folder.h"
 #include "tools/export_model/cost.h"
-#include "tools/export_model/remarks.h"
+#include "tools/export_model/write_model.h"
 
 namespace sinew::export_model {
 namespace {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "components/base/types/require.h"
 #include "components/model/identify/differentiate.h"
 #include "components/model/identify/iir_filter.h"
 #include "components/model/identify/uniform.h"
@@ -21,20 +22,20 @@ constexpr double kLargestCutoffShare = 0.45;
 constexpr double kSamePeriod = 1e-6;
 
 void CheckConfig(const DatasetConfig& config) {
-  const auto require = [](bool good, const char* name, double value, const char* expected) {
-    if (!good) {
-      throw std::invalid_argument(std::string(name) + ": " + std::to_string(value) + ", expected " +
-                                  expected);
-    }
-  };
+  using types::Require;
   if (config.inputs.empty()) throw std::invalid_argument("inputs: none, expected at least one");
-  require(config.period_s > 0.0, "period_s", config.period_s, "above 0");
-  require(config.smoothing_Hz > 0.0, "smoothing_Hz", config.smoothing_Hz, "above 0");
-  require(config.play_margin_rad >= 0.0, "play_margin_rad", config.play_margin_rad, "at least 0");
-  require(config.region_guard_s >= 0.0, "region_guard_s", config.region_guard_s, "at least 0");
-  require(config.blocks >= 1, "blocks", config.blocks, "at least 1");
-  require(config.train_share > 0.0 && config.train_share <= 1.0, "train_share", config.train_share,
+  Require(config.period_s > 0.0, "period_s", config.period_s, "above 0");
+  Require(config.smoothing_Hz > 0.0, "smoothing_Hz", config.smoothing_Hz, "above 0");
+  Require(config.play_margin_rad >= 0.0, "play_margin_rad", config.play_margin_rad, "at least 0");
+  Require(config.region_guard_s >= 0.0, "region_guard_s", config.region_guard_s, "at least 0");
+  Require(config.blocks >= 1, "blocks", config.blocks, "at least 1");
+  Require(config.train_share > 0.0 && config.train_share <= 1.0, "train_share", config.train_share,
           "above 0, at most 1");
+}
+
+bool NeedsPlay(const DatasetConfig& config) {
+  return config.region != Region::kAll || std::find(config.inputs.begin(), config.inputs.end(),
+                                                    Signal::kPlayAngle) != config.inputs.end();
 }
 
 // The signal that must have been measured for an input.
@@ -255,9 +256,7 @@ Dataset MakeRobotDataset(const std::vector<std::vector<types::Run>>& runs_of_joi
                                 " joints, expected those of the model's " +
                                 std::to_string(models.size()));
   }
-  const bool reads_play = std::find(config.inputs.begin(), config.inputs.end(),
-                                    Signal::kPlayAngle) != config.inputs.end();
-  if (config.region != Region::kAll || reads_play) {
+  if (NeedsPlay(config)) {
     throw std::invalid_argument(
         "training: a network of all joints has region 'all' and no input play_angle_rad, since "
         "each "
@@ -295,9 +294,7 @@ Dataset MakeDataset(const std::vector<types::Run>& runs, const actuator::JointMo
                     const DatasetConfig& config, bool test_only) {
   CheckConfig(config);
   if (runs.empty()) throw std::invalid_argument("training: no recording");
-  const bool reads_play = std::find(config.inputs.begin(), config.inputs.end(),
-                                    Signal::kPlayAngle) != config.inputs.end();
-  const bool needs_play = config.region != Region::kAll || reads_play;
+  const bool needs_play = NeedsPlay(config);
   if (needs_play && !(model.backlash_rad > 0.0)) {
     throw std::invalid_argument(
         "model " + model.name +

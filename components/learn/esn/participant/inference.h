@@ -1,12 +1,17 @@
 // One tick of sinew-esn: messages in, messages out.
 #pragma once
 
+#include <sinew_idl/actuator.h>
+#include <sinew_idl/joint.h>
+#include <sinew_idl/learning.h>
+#include <sinew_idl/reference.h>
+#include <sinew_idl/regime.h>
+
 #include <cstdint>
 #include <optional>
 
 #include "components/learn/esn/file/esn_config.h"
 #include "components/learn/esn/inverse_dynamics.h"
-#include "components/learn/esn/participant/messages.h"
 #include "components/learn/esn/predictor.h"
 #include "components/topics/node/tick_loop.h"
 

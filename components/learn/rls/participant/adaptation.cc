@@ -17,25 +17,16 @@ std::optional<Eigen::MatrixXd> ReadoutOf(const std::optional<esn::Weights>& weig
   return weights->readout;
 }
 
-Adapter MakeAdapter(const RlsConfig& config) try {
-  return Adapter(config.adapter, ReadoutOf(config.sea), ReadoutOf(config.pea));
-} catch (const std::invalid_argument& error) {
-  throw UsageError(error.what());
-}
-
-TargetEquation MakeEquation(const RlsConfig& config) try {
-  return TargetEquation(config.target, config.robot, config.sea, config.pea);
-} catch (const std::invalid_argument& error) {
-  throw UsageError(error.what());
-}
-
 }  // namespace
 
-Adaptation::Adaptation(const RlsConfig& config)
+Adaptation::Adaptation(const RlsConfig& config) try
     : robot_(config.robot),
       torque_from_(config.torque_from),
-      equation_(MakeEquation(config)),
-      adapter_(MakeAdapter(config)) {}
+      equation_(config.target, config.robot, config.sea, config.pea),
+      adapter_(config.adapter, ReadoutOf(config.sea), ReadoutOf(config.pea)) {
+} catch (const std::invalid_argument& error) {
+  throw UsageError(error.what());
+}
 
 double Adaptation::DriveTorque(std::size_t joint, const msg::ActuatorState& actuator,
                                const msg::JointCommand& command) const {

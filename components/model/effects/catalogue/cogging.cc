@@ -4,35 +4,20 @@
 
 namespace sinew::effects::cogging {
 
-std::unique_ptr<Effect> Make(const JointConstants& constants) {
-  EffectInfo info;
-  info.name = "cogging";
+std::unique_ptr<Effect> Make(EffectInfo info, const JointConstants& constants) {
   info.title = "Cogging";
   info.formula = "+ a * sin(n * motor angle) + b * cos(n * motor angle)";
   info.source = "Hendershot, Miller: Design of Brushless Permanent-Magnet Machines";
   info.side = Side::kMotor;
-  info.linear = {{.name = "sine",
-                  .dimension = Dimension::kTorque,
-                  .lower = -100.0,
-                  .upper = 100.0,
-                  .default_value = 0.0,
-                  .meaning = "amplitude of the sine at the output"},
-                 {.name = "cosine",
-                  .dimension = Dimension::kTorque,
-                  .lower = -100.0,
-                  .upper = 100.0,
-                  .default_value = 0.0,
-                  .meaning = "amplitude of the cosine at the output"}};
-  info.nonlinear = {{.name = "order",
-                     .dimension = Dimension::kNone,
-                     .lower = 0.5,
-                     .upper = 360.0,
-                     .default_value = 84.0,
-                     .grid = {1, 2, 3, 4, 6, 7, 8, 12, 14, 21, 24, 28, 36, 42, 84},
-                     .meaning = "periods per motor turn"}};
+  info.linear = {
+      Linear("sine", Dimension::kTorque, {-100.0, 100.0}, "amplitude of the sine at the output"),
+      Linear("cosine", Dimension::kTorque, {-100.0, 100.0},
+             "amplitude of the cosine at the output")};
+  info.nonlinear = {Nonlinear("order", Dimension::kNone, {0.5, 360.0}, 84.0,
+                              {1, 2, 3, 4, 6, 7, 8, 12, 14, 21, 24, 28, 36, 42, 84},
+                              "periods per motor turn")};
   info.signature = "residual periodic in motor angle";
   info.ripple = Side::kMotor;
-  info.variable = "motor_position_rad";
   info.confounders = {"gear_eccentricity"};
   info.separating_excitation = "slow constant speed over several motor turns, both directions";
   info.needs = {"motor_position_rad"};

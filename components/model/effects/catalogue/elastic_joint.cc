@@ -5,27 +5,19 @@
 
 namespace sinew::effects::elastic_joint {
 
-std::unique_ptr<Effect> Make(const JointConstants& constants) {
-  EffectInfo info;
-  info.name = "elastic_joint";
+std::unique_ptr<Effect> Make(EffectInfo info, const JointConstants& constants) {
   info.title = "Elastic joint with losses";
   info.formula = "- c * jerk";
   info.source =
       "third-order term of a damped elastic joint: c = B Jl / k, or J T of a lagging drive";
-  info.linear = {{.name = "flexibility",
-                  .dimension = Dimension::kInertiaTime,
-                  .lower = 0.0,
-                  .upper = 100.0,
-                  .default_value = 0.0,
-                  .meaning = "torque per jerk; divided by the inertia a time"}};
+  info.linear = {Linear("flexibility", Dimension::kInertiaTime, {0.0, 100.0},
+                        "torque per jerk; divided by the inertia a time")};
   info.signature = "residual follows jerk: torque that leads or lags the acceleration";
-  info.variable = "jerk_rad_s3";
   info.confounders = {"transport_delay", "flexible_link", "gear_compliance"};
   info.separating_excitation = "fast reversals and pulses with two loads";
   info.needs = {"jerk_rad_s3"};
   return Memoryless(constants, std::move(info),
-                    [](const JointSample& x, const JointConstants&, std::span<const double>,
-                       std::span<double> phi) { phi[0] = -x.jerk_rad_s3; });
+                    [](const JointSample& x) { return -x.jerk_rad_s3; });
 }
 
 }  // namespace sinew::effects::elastic_joint

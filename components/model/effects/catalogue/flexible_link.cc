@@ -19,40 +19,7 @@ using types::kTwoPi;
 
 class FlexibleLink final : public Effect {
  public:
-  FlexibleLink() {
-    info_.name = "flexible_link";
-    info_.title = "Flexible link";
-    info_.formula = "+ Js * (a - p''), p'' = - 2 z w (p' - v) - w^2 (p - q)";
-    info_.source =
-        "one-mass oscillator; Spong, Modeling and Control of Elastic Joint Robots (1987)";
-    info_.linear = {{.name = "sprung_inertia",
-                     .dimension = Dimension::kInertia,
-                     .lower = 0.0,
-                     .upper = 1e3,
-                     .default_value = 0.0,
-                     .meaning = "Js, the part of the inertia that sits on the spring"}};
-    info_.nonlinear = {{.name = "frequency",
-                        .dimension = Dimension::kFrequency,
-                        .lower = 0.5,
-                        .upper = 500.0,
-                        .default_value = 10.0,
-                        .grid = {3.0, 5.0, 8.0, 14.0},
-                        .meaning = "w / 2 pi, with the joint held"},
-                       {.name = "damping_ratio",
-                        .dimension = Dimension::kNone,
-                        .lower = 0.001,
-                        .upper = 0.9,
-                        .default_value = 0.05,
-                        .grid = {0.03, 0.15},
-                        .meaning = "z"}};
-    info_.signature = "residual follows acceleration through a resonance";
-    info_.variable = "acceleration_rad_s2";
-    info_.confounders = {"elastic_joint", "gear_compliance", "inertia"};
-    info_.separating_excitation = "fast reversals and pulses with two loads";
-    info_.needs = {"acceleration_rad_s2"};
-  }
-
-  const EffectInfo& info() const override { return info_; }
+  using Effect::Effect;
 
   void Regressors(const JointSample& x, std::span<const double> psi, std::span<const double> memory,
                   std::span<double> phi) const noexcept override {
@@ -85,15 +52,25 @@ class FlexibleLink final : public Effect {
     memory[1] = c * rate - s * (w * w * y + z * w * rate);
     memory[2] = x.acceleration_rad_s2;
   }
-
- private:
-  EffectInfo info_;
 };
 
 }  // namespace
 
-std::unique_ptr<Effect> Make(const JointConstants& /*constants*/) {
-  return std::make_unique<FlexibleLink>();
+std::unique_ptr<Effect> Make(EffectInfo info, const JointConstants&) {
+  info.title = "Flexible link";
+  info.formula = "+ Js * (a - p''), p'' = - 2 z w (p' - v) - w^2 (p - q)";
+  info.source = "one-mass oscillator; Spong, Modeling and Control of Elastic Joint Robots (1987)";
+  info.linear = {Linear("sprung_inertia", Dimension::kInertia, {0.0, 1e3},
+                        "Js, the part of the inertia that sits on the spring")};
+  info.nonlinear = {
+      Nonlinear("frequency", Dimension::kFrequency, {0.5, 500.0}, 10.0, {3.0, 5.0, 8.0, 14.0},
+                "w / 2 pi, with the joint held"),
+      Nonlinear("damping_ratio", Dimension::kNone, {0.001, 0.9}, 0.05, {0.03, 0.15}, "z")};
+  info.signature = "residual follows acceleration through a resonance";
+  info.confounders = {"elastic_joint", "gear_compliance", "inertia"};
+  info.separating_excitation = "fast reversals and pulses with two loads";
+  info.needs = {"acceleration_rad_s2"};
+  return std::make_unique<FlexibleLink>(std::move(info));
 }
 
 }  // namespace sinew::effects::flexible_link

@@ -1,13 +1,10 @@
-// Eccentric gear.
 #include <algorithm>
 
 #include "components/model/effects/define.h"
 
 namespace sinew::effects::gear_eccentricity {
 
-std::unique_ptr<Effect> Make(const JointConstants& constants) {
-  EffectInfo info;
-  info.name = "gear_eccentricity";
+std::unique_ptr<Effect> Make(EffectInfo info, const JointConstants& constants) {
   info.title = "Eccentric gear";
   info.formula = "+ (a + c T) * sin(n q) + (b + d T) * cos(n q), T = N Kt I";
   info.rotary_only = true;
@@ -15,27 +12,12 @@ std::unique_ptr<Effect> Make(const JointConstants& constants) {
       "Smith: Gear Noise and Vibration; transmission error of an eccentric wheel: the ratio, and "
       "so "
       "the torque that is handed on, varies once a turn of that wheel";
-  const auto torque = [](const char* name, const char* meaning) {
-    return ParameterInfo{.name = name,
-                         .dimension = Dimension::kTorque,
-                         .lower = -100.0,
-                         .upper = 100.0,
-                         .default_value = 0.0,
-                         .meaning = meaning};
-  };
-  const auto share = [](const char* name, const char* meaning) {
-    return ParameterInfo{.name = name,
-                         .dimension = Dimension::kNone,
-                         .lower = -1.0,
-                         .upper = 1.0,
-                         .default_value = 0.0,
-                         .meaning = meaning,
-                         .relative_to_drive = true};
-  };
-  info.linear = {torque("sine", "amplitude of the sine"),
-                 torque("cosine", "amplitude of the cosine"),
-                 share("load_sine", "the same, per drive torque"),
-                 share("load_cosine", "the same, per drive torque")};
+  info.linear = {Linear("sine", Dimension::kTorque, {-100.0, 100.0}, "amplitude of the sine"),
+                 Linear("cosine", Dimension::kTorque, {-100.0, 100.0}, "amplitude of the cosine"),
+                 RelativeToDrive(Linear("load_sine", Dimension::kNone, {-1.0, 1.0},
+                                        "the same, per drive torque")),
+                 RelativeToDrive(Linear("load_cosine", Dimension::kNone, {-1.0, 1.0},
+                                        "the same, per drive torque"))};
   // A wheel on the output once or twice a turn of it, the planets of its carrier three or four
   // times; wheels on the motor's shaft N times.
   std::vector<double> orders = {1.0, 2.0, 3.0, 4.0};
@@ -43,16 +25,11 @@ std::unique_ptr<Effect> Make(const JointConstants& constants) {
     orders.push_back(constants.gear_ratio);
     orders.push_back(2.0 * constants.gear_ratio);
   }
-  info.nonlinear = {{.name = "order",
-                     .dimension = Dimension::kNone,
-                     .lower = 0.5,
-                     .upper = std::max(12.0, 2.0 * constants.gear_ratio),
-                     .default_value = 2.0,
-                     .grid = orders,
-                     .meaning = "periods per output turn"}};
+  info.nonlinear = {Nonlinear("order", Dimension::kNone,
+                              {0.5, std::max(12.0, 2.0 * constants.gear_ratio)}, 2.0, orders,
+                              "periods per output turn")};
   info.signature = "residual periodic in the angle of a wheel, often growing with the load";
   info.ripple = Side::kOutput;
-  info.variable = "position_rad";
   info.confounders = {"gravity", "gravity_phase", "cogging"};
   info.separating_excitation = "slow constant speed over the whole angle range, at two loads";
   info.needs = {"position_rad"};

@@ -5,27 +5,16 @@
 
 namespace sinew::effects::gravity_phase {
 
-std::unique_ptr<Effect> Make(const JointConstants& constants) {
-  EffectInfo info;
-  info.name = "gravity_phase";
+std::unique_ptr<Effect> Make(EffectInfo info, const JointConstants& constants) {
   info.title = "Tilted base or angle zero";
   info.formula = "+ (Tq + s * m * g * l) * sin q, Tq = Tg * sin(tilt), s = sin(tilt)";
   info.rotary_only = true;
   info.source = "cos(q + tilt) expanded";
-  info.linear = {{.name = "quadrature",
-                  .dimension = Dimension::kTorque,
-                  .lower = -1e3,
-                  .upper = 1e3,
-                  .default_value = 0.0,
-                  .meaning = "gravity torque times the sine of the tilt"},
-                 {.name = "payload_quadrature",
-                  .dimension = Dimension::kNone,
-                  .lower = -1.0,
-                  .upper = 1.0,
-                  .default_value = 0.0,
-                  .meaning = "s, from the declared payload"}};
+  info.linear = {
+      Linear("quadrature", Dimension::kTorque, {-1e3, 1e3},
+             "gravity torque times the sine of the tilt"),
+      Linear("payload_quadrature", Dimension::kNone, {-1.0, 1.0}, "s, from the declared payload")};
   info.signature = "residual follows sin q";
-  info.variable = "position_rad";
   info.confounders = {"gear_eccentricity", "offset"};
   info.separating_excitation = "slow motion over the whole angle range";
   info.needs = {"position_rad"};

@@ -1,29 +1,20 @@
-// Inertia of a joint that moves as one body.
 #include "components/model/effects/define.h"
 
 namespace sinew::effects::inertia {
 
-std::unique_ptr<Effect> Make(const JointConstants& constants) {
-  EffectInfo info;
-  info.name = "inertia";
+std::unique_ptr<Effect> Make(EffectInfo info, const JointConstants& constants) {
   info.title = "Inertia of a joint that moves as one body";
   info.formula = "- J * a";
   info.source = "Newton";
   info.role = Role::kInertia;
-  info.linear = {{.name = "inertia",
-                  .dimension = Dimension::kInertia,
-                  .lower = 0.0,
-                  .upper = 1e4,
-                  .default_value = 0.0,
-                  .meaning = "inertia at the output, rotor included (mass of a linear joint)"}};
+  info.linear = {Linear("inertia", Dimension::kInertia, {0.0, 1e4},
+                        "inertia at the output, rotor included (mass of a linear joint)")};
   info.signature = "residual in phase with acceleration";
-  info.variable = "acceleration_rad_s2";
   info.confounders = {"payload", "gear_compliance"};
   info.separating_excitation = "accelerations of different size at the same angle";
   info.needs = {"acceleration_rad_s2"};
   return Memoryless(constants, std::move(info),
-                    [](const JointSample& x, const JointConstants&, std::span<const double>,
-                       std::span<double> phi) { phi[0] = -x.acceleration_rad_s2; });
+                    [](const JointSample& x) { return -x.acceleration_rad_s2; });
 }
 
 }  // namespace sinew::effects::inertia

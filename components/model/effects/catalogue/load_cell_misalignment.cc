@@ -7,27 +7,16 @@
 
 namespace sinew::effects::load_cell_misalignment {
 
-std::unique_ptr<Effect> Make(const JointConstants& constants) {
-  EffectInfo info;
-  info.name = "load_cell_misalignment";
+std::unique_ptr<Effect> Make(EffectInfo info, const JointConstants& constants) {
   info.title = "Load that presses askew";
   info.formula = "- F * l * (a * sin q + b * (1 - cos q))";
   info.rotary_only = true;
   info.source = "geometry: arm of a force that does not turn with the link";
-  info.linear = {{.name = "tilt",
-                  .dimension = Dimension::kNone,
-                  .lower = -1.0,
-                  .upper = 1.0,
-                  .default_value = 0.0,
-                  .meaning = "a: sine of the angle between force and link's normal at q = 0"},
-                 {.name = "turn",
-                  .dimension = Dimension::kNone,
-                  .lower = -1.5,
-                  .upper = 1.5,
-                  .default_value = 0.0,
-                  .meaning = "b: -1 for a force that keeps its direction in space"}};
+  info.linear = {Linear("tilt", Dimension::kNone, {-1.0, 1.0},
+                        "a: sine of the angle between force and link's normal at q = 0"),
+                 Linear("turn", Dimension::kNone, {-1.5, 1.5},
+                        "b: -1 for a force that keeps its direction in space")};
   info.signature = "residual follows load force times the sine of the angle";
-  info.variable = "load_force_N";
   info.confounders = {"load_cell_gain", "load_force"};
   info.separating_excitation = "the same push at several angles of the link";
   info.needs = {"load_force_N", "position_rad"};

@@ -3,31 +3,21 @@
 
 namespace sinew::effects::payload {
 
-std::unique_ptr<Effect> Make(const JointConstants& constants) {
-  EffectInfo info;
-  info.name = "payload";
+std::unique_ptr<Effect> Make(EffectInfo info, const JointConstants& constants) {
   info.title = "Undeclared payload";
   info.formula = "- m * (l^2 * a + g * l * cos q)";
   info.rotary_only = true;
   info.source = "Newton";
-  info.linear = {{.name = "payload",
-                  .dimension = Dimension::kMass,
-                  .lower = -20.0,
-                  .upper = 20.0,
-                  .default_value = 0.0,
-                  .meaning = "mass at the load cell"}};
+  info.linear = {Linear("payload", Dimension::kMass, {-20.0, 20.0}, "mass at the load cell")};
   info.signature = "residual follows cos q and acceleration in the ratio g : l";
   info.variable = "position_rad";
   info.confounders = {"gravity", "link_inertia"};
   info.separating_excitation = "a run with a known payload, over the whole angle range";
   info.needs = {"acceleration_rad_s2", "position_rad"};
-  return Memoryless(
-      constants, std::move(info),
-      [](const JointSample& x, const JointConstants& c, std::span<const double>,
-         std::span<double> phi) {
-        const double l = c.link_length_m;
-        phi[0] = -l * (l * x.acceleration_rad_s2 + c.gravity_m_s2 * std::cos(x.position_rad));
-      });
+  return Memoryless(constants, std::move(info), [](const JointSample& x, const JointConstants& c) {
+    const double l = c.link_length_m;
+    return -l * (l * x.acceleration_rad_s2 + c.gravity_m_s2 * std::cos(x.position_rad));
+  });
 }
 
 }  // namespace sinew::effects::payload

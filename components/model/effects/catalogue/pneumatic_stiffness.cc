@@ -4,18 +4,12 @@
 
 namespace sinew::effects::pneumatic_stiffness {
 
-std::unique_ptr<Effect> Make(const JointConstants& constants) {
-  EffectInfo info;
-  info.name = "pneumatic_stiffness";
+std::unique_ptr<Effect> Make(EffectInfo info, const JointConstants& constants) {
   info.title = "Pneumatic stiffness";
   info.formula = "- k1 * P * (q - q0)";
   info.source = "thesis (5.5), rig balance";
-  info.linear = {{.name = "pneumatic_stiffness",
-                  .dimension = Dimension::kStiffnessPerBar,
-                  .lower = 0.0,
-                  .upper = 1e4,
-                  .default_value = 0.0,
-                  .meaning = "restoring stiffness per gauge pressure"}};
+  info.linear = {Linear("pneumatic_stiffness", Dimension::kStiffnessPerBar, {0.0, 1e4},
+                        "restoring stiffness per gauge pressure")};
   info.nonlinear = {
       {.name = "rest_angle",
        .dimension = Dimension::kAngle,
@@ -29,10 +23,10 @@ std::unique_ptr<Effect> Make(const JointConstants& constants) {
   info.confounders = {"pneumatic_torque", "pressure_offset"};
   info.separating_excitation = "pressure steps at several angles";
   info.needs = {"pressure_bar", "position_rad"};
-  return Memoryless(
-      constants, std::move(info),
-      [](const JointSample& x, const JointConstants&, std::span<const double> psi,
-         std::span<double> phi) { phi[0] = -x.pressure_bar * (x.position_rad - psi[0]); });
+  return Memoryless(constants, std::move(info),
+                    [](const JointSample& x, const JointConstants&, std::span<const double> psi) {
+                      return -x.pressure_bar * (x.position_rad - psi[0]);
+                    });
 }
 
 }  // namespace sinew::effects::pneumatic_stiffness

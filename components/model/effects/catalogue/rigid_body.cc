@@ -4,26 +4,18 @@
 
 namespace sinew::effects::rigid_body {
 
-std::unique_ptr<Effect> Make(const JointConstants& constants) {
-  EffectInfo info;
-  info.name = "rigid_body";
+std::unique_ptr<Effect> Make(EffectInfo info, const JointConstants& constants) {
   info.title = "Rigid bodies of the arm";
   info.formula = "- share * tau(q, v, a)";
   info.source = "Khalil, Dombre: Modeling, Identification and Control of Robots (2002), 9.3";
-  info.linear = {{.name = "share",
-                  .dimension = Dimension::kNone,
-                  .lower = 0.5,
-                  .upper = 1.5,
-                  .default_value = 1.0,
-                  .meaning = "1: as the bodies are fitted; fixed in model files"}};
+  info.linear = {Linear("share", Dimension::kNone, {0.5, 1.5},
+                        "1: as the bodies are fitted; fixed in model files", 1.0)};
   info.signature = "residual follows what gravity and inertia of the arm need";
-  info.variable = "rigid_torque_Nm";
   info.confounders = {"gravity", "inertia", "payload"};
   info.separating_excitation = "motion of all joints at once";
   info.needs = {"rigid_torque_Nm"};
   return Memoryless(constants, std::move(info),
-                    [](const JointSample& x, const JointConstants&, std::span<const double>,
-                       std::span<double> phi) { phi[0] = -x.rigid_torque_Nm; });
+                    [](const JointSample& x) { return -x.rigid_torque_Nm; });
 }
 
 }  // namespace sinew::effects::rigid_body

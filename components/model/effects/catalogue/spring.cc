@@ -3,26 +3,15 @@
 
 namespace sinew::effects::spring {
 
-std::unique_ptr<Effect> Make(const JointConstants& constants) {
-  EffectInfo info;
-  info.name = "spring";
+std::unique_ptr<Effect> Make(EffectInfo info, const JointConstants& constants) {
   info.title = "Plain spring";
   info.formula = "- k * q + T0, T0 = k * q0";
   info.source = "Hooke";
-  info.linear = {{.name = "stiffness",
-                  .dimension = Dimension::kStiffness,
-                  .lower = 0.0,
-                  .upper = 1e6,
-                  .default_value = 0.0,
-                  .meaning = "k, restoring torque per angle"},
-                 {.name = "preload",
-                  .dimension = Dimension::kTorque,
-                  .lower = -1e4,
-                  .upper = 1e4,
-                  .default_value = 0.0,
-                  .meaning = "torque at position 0; the spring rests at q0 = preload / k"}};
+  info.linear = {
+      Linear("stiffness", Dimension::kStiffness, {0.0, 1e6}, "k, restoring torque per angle"),
+      Linear("preload", Dimension::kTorque, {-1e4, 1e4},
+             "torque at position 0; the spring rests at q0 = preload / k")};
   info.signature = "residual falls in a line over the position";
-  info.variable = "position_rad";
   info.confounders = {"gravity", "gravity_phase", "pneumatic_stiffness", "offset"};
   info.separating_excitation = "slow motion over the whole range; several pressures";
   info.needs = {"position_rad"};

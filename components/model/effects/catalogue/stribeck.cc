@@ -1,37 +1,24 @@
-// Stribeck friction.
 #include "components/model/effects/define.h"
 
 namespace sinew::effects::stribeck {
 
-std::unique_ptr<Effect> Make(const JointConstants& constants) {
-  EffectInfo info;
-  info.name = "stribeck";
+std::unique_ptr<Effect> Make(EffectInfo info, const JointConstants& constants) {
   info.title = "Stribeck friction";
   info.formula = "- Fs * sign v * exp(-(v / vs)^2)";
   info.source = "Armstrong-Helouvry: Control of Machines with Friction (1991)";
-  info.linear = {{.name = "stribeck",
-                  .dimension = Dimension::kTorque,
-                  .lower = 0.0,
-                  .upper = 1e3,
-                  .default_value = 0.0,
-                  .meaning = "breakaway above Coulomb friction"}};
-  info.nonlinear = {{.name = "stribeck_velocity",
-                     .dimension = Dimension::kVelocity,
-                     .lower = 1e-4,
-                     .upper = 10.0,
-                     .default_value = 0.05,
-                     .grid = {0.002, 0.004, 0.008, 0.015, 0.03, 0.06, 0.12, 0.25},
-                     .meaning = "speed at which it has fallen to 1/e"}};
+  info.linear = {
+      Linear("stribeck", Dimension::kTorque, {0.0, 1e3}, "breakaway above Coulomb friction")};
+  info.nonlinear = {Nonlinear("stribeck_velocity", Dimension::kVelocity, {1e-4, 10.0}, 0.05,
+                              {0.002, 0.004, 0.008, 0.015, 0.03, 0.06, 0.12, 0.25},
+                              "speed at which it has fallen to 1/e")};
   info.signature = "extra friction below vs, falling with speed";
-  info.variable = "velocity_rad_s";
   info.confounders = {"coulomb", "viscous", "seal_hysteresis"};
   info.separating_excitation = "slow ramps and constant speeds below and above vs, both directions";
   info.needs = {"velocity_rad_s"};
   return Memoryless(constants, std::move(info),
-                    [](const JointSample& x, const JointConstants&, std::span<const double> psi,
-                       std::span<double> phi) {
+                    [](const JointSample& x, const JointConstants&, std::span<const double> psi) {
                       const double s = x.velocity_rad_s / psi[0];
-                      phi[0] = -Sign(x.velocity_rad_s) * std::exp(-s * s);
+                      return -Sign(x.velocity_rad_s) * std::exp(-s * s);
                     });
 }
 

@@ -18,40 +18,8 @@ constexpr int kLags = 4;
 
 class TransportDelay final : public Effect {
  public:
-  explicit TransportDelay(const JointConstants& constants) : gain_(IdealDriveGain(constants)) {
-    info_.name = "transport_delay";
-    info_.title = "Drive that acts late";
-    info_.formula = "- T * N Kt <dI/dt>, the mean over the last `span`";
-    info_.source = "I(t - T) - I(t), four equal lags in a row (Erlang)";
-    info_.side = Side::kMotor;
-    info_.smallest = Smallest::kTenthOfSample;
-    info_.follows_record = true;
-    info_.linear = {
-        {.name = "delay",
-         .dimension = Dimension::kTime,
-         .lower = -0.1,
-         .upper = 0.1,
-         .default_value = 0.0,
-         .meaning = "the drive acts this much later than recorded; negative: it is recorded late",
-         .relative_to_drive = true}};
-    info_.nonlinear = {{.name = "span",
-                        .dimension = Dimension::kTime,
-                        .lower = -0.1,
-                        .upper = 0.1,
-                        .default_value = 0.0,
-                        .grid = {0.0},
-                        .meaning = "over which the drive's rate counts: the delay itself, 0 where "
-                                   "it is shorter than the drive's own changes",
-                        .optional = true}};
-    info_.signature = "residual follows the rate of the drive input";
-    info_.variable = "drive_rate";
-    info_.confounders = {"elastic_joint", "flexible_link", "gear_compliance"};
-    info_.separating_excitation =
-        "fast reversals; the delay stays when the load changes, flexibility does not";
-    info_.needs = {"drive_rate"};
-  }
-
-  const EffectInfo& info() const override { return info_; }
+  TransportDelay(EffectInfo info, const JointConstants& constants)
+      : Effect(std::move(info)), gain_(IdealDriveGain(constants)) {}
 
   void Regressors(const JointSample& x, std::span<const double> /*psi*/,
                   std::span<const double> memory, std::span<double> phi) const noexcept override {
@@ -79,14 +47,31 @@ class TransportDelay final : public Effect {
   }
 
  private:
-  EffectInfo info_;
   double gain_;
 };
 
 }  // namespace
 
-std::unique_ptr<Effect> Make(const JointConstants& constants) {
-  return std::make_unique<TransportDelay>(constants);
+std::unique_ptr<Effect> Make(EffectInfo info, const JointConstants& constants) {
+  info.title = "Drive that acts late";
+  info.formula = "- T * N Kt <dI/dt>, the mean over the last `span`";
+  info.source = "I(t - T) - I(t), four equal lags in a row (Erlang)";
+  info.side = Side::kMotor;
+  info.smallest = Smallest::kTenthOfSample;
+  info.follows_record = true;
+  info.linear = {RelativeToDrive(
+      Linear("delay", Dimension::kTime, {-0.1, 0.1},
+             "the drive acts this much later than recorded; negative: it is recorded late"))};
+  info.nonlinear = {Nonlinear("span", Dimension::kTime, {-0.1, 0.1}, 0.0, {0.0},
+                              "over which the drive's rate counts: the delay itself, 0 where "
+                              "it is shorter than the drive's own changes")};
+  info.nonlinear.front().optional = true;
+  info.signature = "residual follows the rate of the drive input";
+  info.confounders = {"elastic_joint", "flexible_link", "gear_compliance"};
+  info.separating_excitation =
+      "fast reversals; the delay stays when the load changes, flexibility does not";
+  info.needs = {"drive_rate"};
+  return std::make_unique<TransportDelay>(std::move(info), constants);
 }
 
 }  // namespace sinew::effects::transport_delay

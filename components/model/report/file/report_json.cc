@@ -13,6 +13,14 @@ using Json = nlohmann::ordered_json;
 
 constexpr const char* kSchema = "sinew-close-loop/3";
 
+// A list: what `of` makes of each.
+template <class List, class Of>
+Json Each(const List& list, const Of& of) {
+  Json out = Json::array();
+  for (const auto& one : list) out.push_back(of(one));
+  return out;
+}
+
 Json Value(double value, const std::optional<double>& half_width, bool fixed) {
   Json out = {{"value", value}};
   if (half_width) {
@@ -100,16 +108,15 @@ Json HeldOut(const trace::Assessment& result, const std::string& unit) {
 
 Json Rounds(const trace::Assessment& result) {
   if (result.scores.empty()) return Json::array();
-  Json candidates = Json::array();
-  for (const trace::CandidateScore& score : result.scores) {
-    candidates.push_back({{"name", score.name},
-                          {"gain", score.gain_share},
-                          {"statistic", score.statistic},
-                          {"accepted", score.accepted},
-                          {"refused", score.refused.rule},
-                          {"value", score.refused.value},
-                          {"limit", score.refused.limit}});
-  }
+  Json candidates = Each(result.scores, [](const trace::CandidateScore& score) -> Json {
+    return {{"name", score.name},
+            {"gain", score.gain_share},
+            {"statistic", score.statistic},
+            {"accepted", score.accepted},
+            {"refused", score.refused.rule},
+            {"value", score.refused.value},
+            {"limit", score.refused.limit}};
+  });
   return Json::array({{{"train_rms", result.before_train.rms},
                        {"held_out_rms", result.before_held_out.rms},
                        {"explainable_rms", result.ceiling_rms},
@@ -121,16 +128,11 @@ Json Blocks(const trace::Assessment& result) {
 }
 
 Json ErrorLines(const std::vector<ErrorLine>& lines) {
-  Json out = Json::array();
-  for (const ErrorLine& line : lines) {  // an error that is not finite is null
-    out.push_back({{"what", line.key},
-                   {"balance", BalanceLetter(line.balance)},
-                   {"unit", line.unit},
-                   {"declared", line.declared},
-                   {"refitted", line.refitted},
-                   {"corrected", line.corrected}});
-  }
-  return out;
+  return Each(lines, [](const ErrorLine& line) -> Json {  // an error that is not finite is null
+    return {{"what", line.key},          {"balance", BalanceLetter(line.balance)},
+            {"unit", line.unit},         {"declared", line.declared},
+            {"refitted", line.refitted}, {"corrected", line.corrected}};
+  });
 }
 
 Json Simulated(const Report& report) {
@@ -153,19 +155,18 @@ Json Simulated(const Report& report) {
 
 // With 80 % power, by the rules of the search that are named.
 Json Detectable(const trace::TraceResult& trace) {
-  Json sizes = Json::array();
-  for (const trace::DetectableSize& size : trace.detectable) {
+  Json sizes = Each(trace.detectable, [](const trace::DetectableSize& size) -> Json {
     Json shape = Json::object();
     for (const auto& [key, value] : size.shape) shape[key] = value;
-    sizes.push_back({{"effect", size.effect},
-                     {"balance", BalanceLetter(size.balance)},
-                     {"parameter", size.parameter},
-                     {"unit", size.unit.empty() ? "1" : size.unit},
-                     {"size", size.size},
-                     {"share_of_measured_side", size.share},
-                     {"of_expected", size.of_expected},
-                     {"shape", std::move(shape)}});
-  }
+    return {{"effect", size.effect},
+            {"balance", BalanceLetter(size.balance)},
+            {"parameter", size.parameter},
+            {"unit", size.unit.empty() ? "1" : size.unit},
+            {"size", size.size},
+            {"share_of_measured_side", size.share},
+            {"of_expected", size.of_expected},
+            {"shape", std::move(shape)}};
+  });
   return {{"power", 0.8},
           {"p_global", trace.in_force.Limit(trace::rules::kGlobalP)},
           {"explained_share", trace.in_force.Limit(trace::rules::kExplainedShare)},
@@ -173,12 +174,12 @@ Json Detectable(const trace::TraceResult& trace) {
 }
 
 Json RowsJson(const trace::TraceResult& trace) {
-  Json speeds = Json::array(), reasons = Json::object();
+  Json reasons = Json::object();
   const auto* key =
       trace.corrected.kind == types::JointKind::kRevolute ? "up_to_rad_s" : "up_to_m_s";
-  for (const trace::RowUsage::Speed& speed : trace.row_usage.by_speed) {
-    speeds.push_back({{key, speed.up_to}, {"rows", speed.rows}, {"used", speed.used}});
-  }
+  Json speeds = Each(trace.row_usage.by_speed, [key](const trace::RowUsage::Speed& speed) -> Json {
+    return {{key, speed.up_to}, {"rows", speed.rows}, {"used", speed.used}};
+  });
   for (const auto& [reason, rows] : trace.row_usage.not_used) reasons[reason] = rows;
   return {{"training", trace.rows},
           {"used", trace.used_rows},
@@ -187,8 +188,7 @@ Json RowsJson(const trace::TraceResult& trace) {
 }
 
 Json Rotations(const Report& report, const std::string& unit) {
-  Json out = Json::array();
-  for (const trace::Rotation& rotation : report.rotations) {
+  return Each(report.rotations, [&unit](const trace::Rotation& rotation) -> Json {
     Json effects = Json::array();
     for (const auto* list :
          {&rotation.trace.effects, &rotation.trace.open, &rotation.trace.refuted}) {
@@ -201,15 +201,14 @@ Json Rotations(const Report& report, const std::string& unit) {
              {"interval_95", {effect.confirmation.lower, effect.confirmation.upper}}});
       }
     }
-    out.push_back({{"held_out", rotation.held_out},
-                   {"verdict", VerdictWord(rotation.trace.verdict)},
-                   {"effects", std::move(effects)},
-                   {"unit", unit},
-                   {"declared", rotation.trace.nominal_held_out.rms},
-                   {"refitted", rotation.trace.before_held_out.rms},
-                   {"corrected", rotation.trace.after_held_out.rms}});
-  }
-  return out;
+    return {{"held_out", rotation.held_out},
+            {"verdict", VerdictWord(rotation.trace.verdict)},
+            {"effects", std::move(effects)},
+            {"unit", unit},
+            {"declared", rotation.trace.nominal_held_out.rms},
+            {"refitted", rotation.trace.before_held_out.rms},
+            {"corrected", rotation.trace.after_held_out.rms}};
+  });
 }
 
 Json OrNull(const std::string& text) { return text.empty() ? Json(nullptr) : Json(text); }
@@ -249,24 +248,15 @@ Json EffectJson(const trace::TraceResult& trace, const trace::FoundEffect& effec
   return out;
 }
 
-Json Events(const trace::TraceResult& trace) {
-  Json out = Json::array();
-  for (const trace::EventTime& event : trace.events) {
-    out.push_back({{"effect", event.effect},
-                   {"recording", event.recording},
-                   {"held_out", event.held_out},
-                   {"start_s", event.start_s}});
-  }
-  return out;
+Json EventJson(const trace::EventTime& event) {
+  return {{"effect", event.effect},
+          {"recording", event.recording},
+          {"held_out", event.held_out},
+          {"start_s", event.start_s}};
 }
 
-Json ZeroTurns(const trace::TraceResult& trace) {
-  Json out = Json::array();
-  for (const trace::ZeroTurn& turn : trace.zero_turns) {
-    out.push_back(
-        {{"effect", turn.effect}, {"recording", turn.recording}, {"turn_rad", turn.turn_rad}});
-  }
-  return out;
+Json ZeroTurnJson(const trace::ZeroTurn& turn) {
+  return {{"effect", turn.effect}, {"recording", turn.recording}, {"turn_rad", turn.turn_rad}};
 }
 
 Json Balances(const trace::TraceResult& trace) {
@@ -315,18 +305,14 @@ Json Unexplained(const trace::TraceResult& trace) {
   return out;
 }
 
-Json Shifts(const trace::TraceResult& trace) {
-  Json out = Json::array();
-  for (const trace::ParameterShift& shift : trace.shifts) {
-    out.push_back({{"name", shift.effect + "." + shift.parameter},
-                   {"nominal", shift.nominal},
-                   {"refit", shift.refit},
-                   {"tolerance", shift.tolerance},
-                   {"half_width_95", shift.half_width_95},
-                   {"sigma", shift.sigma},
-                   {"causes", shift.causes}});
-  }
-  return out;
+Json ShiftJson(const trace::ParameterShift& shift) {
+  return {{"name", shift.effect + "." + shift.parameter},
+          {"nominal", shift.nominal},
+          {"refit", shift.refit},
+          {"tolerance", shift.tolerance},
+          {"half_width_95", shift.half_width_95},
+          {"sigma", shift.sigma},
+          {"causes", shift.causes}};
 }
 
 Json Processing(const identify::ProcessingOptions& used) {
@@ -337,35 +323,27 @@ Json Processing(const identify::ProcessingOptions& used) {
       {"settle_distance", used.settle_distance},       {"border_s", used.border_s}};
 }
 
-Json Faults(const std::vector<gate::Fault>& faults) {
-  Json out = Json::array();
-  for (const gate::Fault& fault : faults) {
-    Json entry = {{"rule", fault.rule},
-                  {"signal", OrNull(fault.signal)},
-                  {"recording", OrNull(fault.recording)},
-                  {"accepted", fault.accepted},
-                  {"statistic", fault.statistic},
-                  {"limit", fault.limit},
-                  {"reason", fault.reason},
-                  {"remedy", fault.remedy}};
-    if (fault.last_row >= fault.first_row && !fault.recording.empty()) {
-      entry["rows"] = {fault.first_row, fault.last_row};
-      entry["time_s"] = {fault.from_s, fault.to_s};
-    }
-    out.push_back(std::move(entry));
+Json FaultJson(const gate::Fault& fault) {
+  Json out = {{"rule", fault.rule},
+              {"signal", OrNull(fault.signal)},
+              {"recording", OrNull(fault.recording)},
+              {"accepted", fault.accepted},
+              {"statistic", fault.statistic},
+              {"limit", fault.limit},
+              {"reason", fault.reason},
+              {"remedy", fault.remedy}};
+  if (fault.last_row >= fault.first_row && !fault.recording.empty()) {
+    out["rows"] = {fault.first_row, fault.last_row};
+    out["time_s"] = {fault.from_s, fault.to_s};
   }
   return out;
 }
 
-Json Findings(const std::vector<identify::Finding>& findings) {
-  Json out = Json::array();
-  for (const identify::Finding& finding : findings) {
-    out.push_back({{"name", finding.name},
-                   {"text", finding.text},
-                   {"value", finding.value},
-                   {"unit", finding.unit}});
-  }
-  return out;
+Json FindingJson(const identify::Finding& finding) {
+  return {{"name", finding.name},
+          {"text", finding.text},
+          {"value", finding.value},
+          {"unit", finding.unit}};
 }
 
 Json Start(const Report& report) {
@@ -386,12 +364,12 @@ void AddTrace(const Report& report, Json* out_json) {
   for (const auto& [key, list] :
        {std::pair{"effects", &trace.effects}, std::pair{"open", &trace.open},
         std::pair{"refuted", &trace.refuted}}) {
-    out[key] = Json::array();
-    for (const trace::FoundEffect& effect : *list) out[key].push_back(EffectJson(trace, effect));
+    out[key] = Each(
+        *list, [&trace](const trace::FoundEffect& effect) { return EffectJson(trace, effect); });
   }
-  out["events"] = Events(trace);
+  out["events"] = Each(trace.events, EventJson);
   if (report.assessed()) {
-    out["zero_turns"] = ZeroTurns(trace);
+    out["zero_turns"] = Each(trace.zero_turns, ZeroTurnJson);
     out["rotations"] = Rotations(report, unit);
     out["train"] = Train(trace, unit);
     out["held_out"] = HeldOut(trace, unit);
@@ -419,28 +397,24 @@ void AddTrace(const Report& report, Json* out_json) {
   } else {
     out["unexplained"] = {{"variable", nullptr}};
   }
-  out["parameter_shift"] = Shifts(trace);
+  out["parameter_shift"] = Each(trace.shifts, ShiftJson);
 }
 
 }  // namespace
 
 Json PosteriorJson(const trace::Posterior& posterior) {
-  Json out = Json::array();
-  for (const trace::NameProbability& entry : posterior) {
-    out.push_back({{"name", entry.name}, {"probability", entry.probability}});
-  }
-  return out;
+  return Each(posterior, [](const trace::NameProbability& entry) -> Json {
+    return {{"name", entry.name}, {"probability", entry.probability}};
+  });
 }
 
 Json RecordingsJson(const std::vector<Recording>& recordings) {
-  Json out = Json::array();
-  for (const Recording& recording : recordings) {
-    out.push_back({{"name", recording.name},
-                   {"content_hash", recording.content_hash},
-                   {"rows", recording.rows},
-                   {"duration_s", recording.duration_s}});
-  }
-  return out;
+  return Each(recordings, [](const Recording& recording) -> Json {
+    return {{"name", recording.name},
+            {"content_hash", recording.content_hash},
+            {"rows", recording.rows},
+            {"duration_s", recording.duration_s}};
+  });
 }
 
 Json ReportJson(const Report& report) {
@@ -450,7 +424,7 @@ Json ReportJson(const Report& report) {
   out["recordings"] = {{"train", RecordingsJson(report.train)},
                        {"held_out", RecordingsJson(report.held_out)}};
   if (report.assessed()) out["p_global"] = trace.p_global ? Json(*trace.p_global) : Json(nullptr);
-  out["faults"] = Faults(report.gate.faults);
+  out["faults"] = Each(report.gate.faults, FaultJson);
   if (report.given && report.assessed()) out["given_effects"] = *report.given;
   if (report.assessed() && !trace.in_force.without_rules.empty()) {
     out["without_rules"] = trace.in_force.without_rules;
@@ -461,7 +435,7 @@ Json ReportJson(const Report& report) {
                               {"before", ModelParameters(trace.declared)},
                               {"after", ModelParameters(trace.corrected)}};
   }
-  out["findings"] = Findings(report.gate.findings);
+  out["findings"] = Each(report.gate.findings, FindingJson);
   out["next_experiment"] = OrNull(NextExperiment(report));
   if (report.assessed()) {
     out["blocks"] = Blocks(trace);
@@ -486,16 +460,15 @@ Json CheckJson(const Report& report) {
   out["sentence"] = VerdictSentence(report.gate);
   out.erase("outcome");
   out["recordings"] = RecordingsJson(report.train);
-  out["faults"] = Faults(report.gate.faults);
-  out["findings"] = Findings(report.gate.findings);
-  out["rules"] = Json::array();
-  for (const gate::Measurement& at : report.gate.largest) {
-    out["rules"].push_back({{"rule", at.rule},
-                            {"statistic", at.statistic},
-                            {"limit", at.limit},
-                            {"signal", OrNull(at.signal)},
-                            {"recording", OrNull(at.recording)}});
-  }
+  out["faults"] = Each(report.gate.faults, FaultJson);
+  out["findings"] = Each(report.gate.findings, FindingJson);
+  out["rules"] = Each(report.gate.largest, [](const gate::Measurement& at) -> Json {
+    return {{"rule", at.rule},
+            {"statistic", at.statistic},
+            {"limit", at.limit},
+            {"signal", OrNull(at.signal)},
+            {"recording", OrNull(at.recording)}};
+  });
   out["seconds"] = report.seconds;
   return out;
 }

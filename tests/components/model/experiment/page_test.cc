@@ -1,7 +1,6 @@
-#include "components/model/experiment/page.h"
-
 #include <gtest/gtest.h>
 
+#include "components/model/experiment/result.h"
 #include "components/model/experiment/rows.h"
 
 namespace sinew::experiment {

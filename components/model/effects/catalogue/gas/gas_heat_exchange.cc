@@ -18,9 +18,8 @@ constexpr double kKappa = 1.4;
 
 class HeatExchange final : public Effect {
  public:
-  HeatExchange(const JointConstants& constants, EffectInfo info)
-      : constants_(constants), info_(std::move(info)) {}
-  const EffectInfo& info() const override { return info_; }
+  HeatExchange(EffectInfo info, const JointConstants& constants)
+      : Effect(std::move(info)), constants_(constants) {}
   int memory_size() const noexcept override { return 2; }
 
   void ResetMemory(const JointSample&, std::span<const double>,
@@ -52,40 +51,24 @@ class HeatExchange final : public Effect {
 
  private:
   JointConstants constants_;
-  EffectInfo info_;
 };
 
 }  // namespace
 
-std::unique_ptr<Effect> Make(const JointConstants& constants) {
-  EffectInfo info;
-  info.name = "gas_heat_exchange";
+std::unique_ptr<Effect> Make(EffectInfo info, const JointConstants& constants) {
   info.title = "Gas that exchanges heat with the wall";
   info.formula = "- integral of (P + Pa) de/dt, de/dt = -(k - 1) dV/dt / V - e / tau";
   info.source =
       "Pourmovahed, Otis: An experimental thermal time-constant correlation for hydraulic "
       "accumulators (1990), eq. 3";
-  info.balance = Balance::kGas;
   info.rate = true;
-  info.linear = {{.name = "compression_share",
-                  .dimension = Dimension::kNone,
-                  .lower = -0.2,
-                  .upper = 2.0,
-                  .default_value = 0.0,
-                  .meaning = "1: all of the gas is heated by compression; 0: none"},
-                 {.name = "filling_share",
-                  .dimension = Dimension::kNone,
-                  .lower = -0.2,
-                  .upper = 2.0,
-                  .default_value = 0.0,
-                  .meaning = "1: all of the gas is heated by being filled; 0: none"}};
-  info.nonlinear = {{.name = "time_constant",
-                     .dimension = Dimension::kTime,
-                     .lower = 0.02,
-                     .upper = 60.0,
-                     .default_value = 1.0,
-                     .grid = {0.1, 0.2, 0.5, 1.0, 2.0, 5.0},
-                     .meaning = "of the gas toward the wall's temperature"}};
+  info.linear = {Linear("compression_share", Dimension::kNone, {-0.2, 2.0},
+                        "1: all of the gas is heated by compression; 0: none"),
+                 Linear("filling_share", Dimension::kNone, {-0.2, 2.0},
+                        "1: all of the gas is heated by being filled; 0: none")};
+  info.nonlinear = {Nonlinear("time_constant", Dimension::kTime, {0.02, 60.0}, 1.0,
+                              {0.1, 0.2, 0.5, 1.0, 2.0, 5.0},
+                              "of the gas toward the wall's temperature")};
   info.signature =
       "pressure answers fast compression more than slow, and relaxes after the valve shut";
   info.variable = "volume_rate_1_s";
@@ -93,7 +76,7 @@ std::unique_ptr<Effect> Make(const JointConstants& constants) {
   info.separating_excitation =
       "the same stroke fast and slow with the valve shut; rest after filling";
   info.needs = {"pressure_bar", "pressure_rate_bar_s", "volume_rate_1_s"};
-  return std::make_unique<HeatExchange>(constants, std::move(info));
+  return std::make_unique<HeatExchange>(std::move(info), constants);
 }
 
 }  // namespace sinew::effects::gas::gas_heat_exchange

@@ -5,43 +5,27 @@
 
 namespace sinew::effects::kinematic::encoder_eccentricity {
 
-std::unique_ptr<Effect> Make(const JointConstants& constants) {
-  EffectInfo info;
-  info.name = "encoder_eccentricity";
+std::unique_ptr<Effect> Make(EffectInfo info, const JointConstants& constants) {
   info.title = "Eccentric encoder";
   info.formula = "+ A * sin(n q) + B * cos(n q), q = motor angle / N";
   info.rotary_only = true;
   info.source =
       "Kavanagh: Errors in quadrature encoders, IEEE Trans. Instrum. Meas. 49 (2000) "
       "1346; one period per turn from an offset, two from a tilt";
-  info.balance = Balance::kKinematic;
-  info.linear = {{.name = "sine",
-                  .dimension = Dimension::kAngle,
-                  .lower = -0.2,
-                  .upper = 0.2,
-                  .default_value = 0.0,
-                  .meaning = "error of the output's reading that goes with the sine"},
-                 {.name = "cosine",
-                  .dimension = Dimension::kAngle,
-                  .lower = -0.2,
-                  .upper = 0.2,
-                  .default_value = 0.0,
-                  .meaning = "error of the output's reading that goes with the cosine"}};
+  info.linear = {Linear("sine", Dimension::kAngle, {-0.2, 0.2},
+                        "error of the output's reading that goes with the sine"),
+                 Linear("cosine", Dimension::kAngle, {-0.2, 0.2},
+                        "error of the output's reading that goes with the cosine")};
   // Periods per turn of the output: 1 and 2 of its own encoder, N and 2 N of the motor's.
   std::vector<double> orders = {1.0, 2.0};
   if (constants.gear_ratio > 4.0) {
     orders.push_back(constants.gear_ratio);
     orders.push_back(2.0 * constants.gear_ratio);
   }
-  info.nonlinear = {{.name = "order",
-                     .dimension = Dimension::kNone,
-                     .lower = 0.5,
-                     .upper = std::max(12.0, 8.0 * constants.gear_ratio),
-                     .default_value = 1.0,
-                     .grid = orders,
-                     .meaning = "periods per output turn"}};
+  info.nonlinear = {Nonlinear("order", Dimension::kNone,
+                              {0.5, std::max(12.0, 8.0 * constants.gear_ratio)}, 1.0, orders,
+                              "periods per output turn")};
   info.signature = "difference of the encoders periodic in the angle, on both sides of the play";
-  info.variable = "motor_position_rad";
   info.confounders = {"gear_compliance"};
   info.separating_excitation = "the same angles under opposite load";
   info.needs = {"motor_position_rad"};
