@@ -15,7 +15,7 @@
 #include "components/base/types/printable.h"
 #include "components/record/recording/file/file_io.h"
 #include "components/record/recording/mcap_reader.h"
-#include "tools/sinew/core_commands.h"
+#include "tools/sinew/commands.h"
 #include "tools/sinew/printed.h"
 
 namespace sinew::tools {

@@ -20,7 +20,7 @@
 #include "components/topics/node/node.h"
 #include "components/topics/node/time_option.h"
 #include "tools/inspect/rate_meter.h"
-#include "tools/sinew/core_commands.h"
+#include "tools/sinew/commands.h"
 #include "tools/sinew/node_options.h"
 #include "tools/sinew/printed.h"
 

@@ -15,7 +15,7 @@
 #include "components/topics/node/node.h"
 #include "tools/launch/deployment.h"
 #include "tools/launch/launcher.h"
-#include "tools/sinew/core_commands.h"
+#include "tools/sinew/commands.h"
 #include "tools/sinew/printed.h"
 
 namespace sinew::tools {

@@ -10,7 +10,7 @@
 #include "components/base/types/json_text.h"
 #include "components/base/types/text.h"
 #include "components/record/logger/player/participant/play.h"
-#include "tools/sinew/core_commands.h"
+#include "tools/sinew/commands.h"
 #include "tools/sinew/node_options.h"
 #include "tools/sinew/printed.h"
 #include "tools/sinew/replay_screen.h"

@@ -11,7 +11,7 @@
 #include "components/base/types/json_text.h"
 #include "components/record/logger/player/control_socket.h"
 #include "components/record/logger/player/play_control.h"
-#include "tools/sinew/core_commands.h"
+#include "tools/sinew/commands.h"
 
 namespace sinew::tools {
 

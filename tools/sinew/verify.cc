@@ -15,7 +15,7 @@
 #include "components/robot/pneumatics/file/pneumatics_file.h"
 #include "components/robot/reference/file/reference_file.h"
 #include "sim/surrogate/file/surrogate_file.h"
-#include "tools/sinew/core_commands.h"
+#include "tools/sinew/commands.h"
 #include "tools/sinew/print_section.h"
 #include "tools/sinew/progress.h"
 #include "tools/sinew/shipped.h"
