@@ -1,9 +1,13 @@
 #include "components/robot/provider/participant/run_provider.h"
 
+#include <semaphore.h>
 #include <sinew_idl/estop.h>
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <cerrno>
+#include <cstdint>
+#include <ctime>
 #include <optional>
 #include <random>
 #include <string_view>
@@ -14,7 +18,6 @@
 #include "components/robot/provider/cycle_deadline.h"
 #include "components/robot/provider/participant/awaited_topics.h"
 #include "components/robot/provider/participant/command_readers.h"
-#include "components/robot/provider/participant/cycle_sleep.h"
 #include "components/robot/provider/participant/estop_desk.h"
 #include "components/robot/provider/participant/lockstep_wait.h"
 #include "components/robot/provider/participant/other_provider.h"
@@ -28,6 +31,30 @@
 namespace sinew::provider {
 
 namespace {
+
+// The sleep of a cycle until its deadline, which another thread can end.
+//
+// Threads: one sleeps, any wakes. Neither allocates.
+class CycleSleep {
+ public:
+  CycleSleep() { ::sem_init(&semaphore_, 0, 0); }
+  ~CycleSleep() { ::sem_destroy(&semaphore_); }
+  CycleSleep(const CycleSleep&) = delete;
+  CycleSleep& operator=(const CycleSleep&) = delete;
+
+  void Wake() noexcept { ::sem_post(&semaphore_); }
+
+  // Until this time of CLOCK_MONOTONIC. False: it came. True: woken before, now or since the last
+  // sleep, or by a signal.
+  bool Until(std::int64_t deadline_ns) noexcept {
+    const timespec deadline{deadline_ns / 1'000'000'000,
+                            static_cast<long>(deadline_ns % 1'000'000'000)};
+    return ::sem_clockwait(&semaphore_, CLOCK_MONOTONIC, &deadline) == 0 || errno == EINTR;
+  }
+
+ private:
+  sem_t semaphore_;
+};
 
 using std::chrono::milliseconds;
 using types::MonotonicNow_ns;
