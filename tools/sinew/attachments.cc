@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "components/base/config/config.h"
+#include "components/base/types/joined.h"
 #include "components/base/types/json_text.h"
 #include "components/base/types/printable.h"
 #include "components/record/recording/file/file_io.h"
@@ -66,10 +67,7 @@ void ShowAttachments(const AttachmentsOptions& options) {
         attachments.begin(), attachments.end(),
         [&options](const auto& attachment) { return attachment.name == options.name; });
     if (found != attachments.end()) return TakeOut(*found, options);
-    std::string names;
-    for (const auto& attachment : attachments) {
-      names += (names.empty() ? "" : ", ") + attachment.name;
-    }
+    const std::string names = types::Joined(attachments, ", ", &recording::McapAttachment::name);
     throw UsageError(options.file.string() + ": no attachment '" + options.name + "', expected " +
                      (names.empty() ? "a recording with attachments" : "one of: " + names));
   } catch (const recording::McapError& error) {
