@@ -24,7 +24,7 @@ void RunOnce(const RecordedRun& run) {
   for (const launch::Process& process : deployment.processes) names.push_back(process.name);
   std::ofstream log(run.log);
   launch::Output output(log, log, false, names);
-  const launch::Result result = launch::Launcher(deployment, output).Run();
+  const launch::Result result = launch::RunDeployment(deployment, output);
   if (result.stopped_by_user) throw std::runtime_error("stopped as asked");
   if (!result.ok()) {
     const launch::Failure& failure = result.failures.front();

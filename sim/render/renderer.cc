@@ -1,16 +1,19 @@
 #include "sim/render/renderer.h"
 
 #define GL_GLEXT_PROTOTYPES
+#include <EGL/egl.h>
+#include <EGL/eglext.h>
 #include <GL/glcorearb.h>
 
 #include <algorithm>
 #include <array>
 #include <bit>
 #include <cstdint>
+#include <sstream>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 
-#include "sim/render/off_screen.h"
 #include "sim/render/shaders.h"
 #include "sim/render/triangles.h"
 
@@ -28,6 +31,98 @@ struct PictureTarget {
 };
 
 namespace {
+
+[[noreturn]] void FailEgl(const std::string& step) {
+  std::ostringstream text;
+  text << "off-screen rendering: " << step << " failed, EGL error 0x" << std::hex << eglGetError()
+       << "; Debian's packages libegl1 and libgl1-mesa-dri give it";
+  throw std::runtime_error(text.str());
+}
+
+template <typename Function>
+Function EglExtension(const char* name) {
+  const auto function = reinterpret_cast<Function>(eglGetProcAddress(name));
+  if (function == nullptr) FailEgl(name);
+  return function;
+}
+
+EGLDeviceEXT SoftwareDevice() {
+  const auto query_devices = EglExtension<PFNEGLQUERYDEVICESEXTPROC>("eglQueryDevicesEXT");
+  const auto query_string = EglExtension<PFNEGLQUERYDEVICESTRINGEXTPROC>("eglQueryDeviceStringEXT");
+  std::array<EGLDeviceEXT, 64> devices{};
+  EGLint count = 0;
+  if (query_devices(static_cast<EGLint>(devices.size()), devices.data(), &count) != EGL_TRUE) {
+    FailEgl("eglQueryDevicesEXT");
+  }
+  for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
+    const char* extensions = query_string(devices[i], EGL_EXTENSIONS);
+    if (extensions != nullptr &&
+        std::string_view(extensions).find("EGL_MESA_device_software") != std::string_view::npos) {
+      return devices[i];
+    }
+  }
+  FailEgl("finding a device with EGL_MESA_device_software");
+}
+
+// One of the process, never ended: eglTerminate would end it for every context.
+EGLDisplay SoftwareDisplay() {
+  static const EGLDisplay kDisplay = [] {
+    const auto get_display =
+        EglExtension<PFNEGLGETPLATFORMDISPLAYEXTPROC>("eglGetPlatformDisplayEXT");
+    const EGLDisplay made = get_display(EGL_PLATFORM_DEVICE_EXT, SoftwareDevice(), nullptr);
+    if (made == EGL_NO_DISPLAY) FailEgl("eglGetPlatformDisplayEXT");
+    if (eglInitialize(made, nullptr, nullptr) != EGL_TRUE) FailEgl("eglInitialize");
+    return made;
+  }();
+  return kDisplay;
+}
+
+// An OpenGL 3.3 core context without a window, an X server or a GPU: EGL on Mesa's software device
+// (EGL_EXT_platform_device, EGL_MESA_device_software), so that a machine with a GPU gives the same
+// pictures.
+//
+// Thread: any, one at a time; the calls of OpenGL in between belong to a Current.
+class OffScreen {
+ public:
+  // Throws std::runtime_error naming the step of EGL that failed and the package that gives it.
+  OffScreen() {
+    const EGLDisplay display = SoftwareDisplay();
+    if (eglBindAPI(EGL_OPENGL_API) != EGL_TRUE) FailEgl("eglBindAPI");
+    constexpr std::array<EGLint, 7> kAttributes = {EGL_CONTEXT_MAJOR_VERSION,
+                                                   3,
+                                                   EGL_CONTEXT_MINOR_VERSION,
+                                                   3,
+                                                   EGL_CONTEXT_OPENGL_PROFILE_MASK,
+                                                   EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
+                                                   EGL_NONE};
+    context_ = eglCreateContext(display, EGL_NO_CONFIG_KHR, EGL_NO_CONTEXT, kAttributes.data());
+    if (context_ == EGL_NO_CONTEXT) FailEgl("eglCreateContext");
+  }
+  ~OffScreen() { eglDestroyContext(SoftwareDisplay(), context_); }
+  OffScreen(const OffScreen&) = delete;
+  OffScreen& operator=(const OffScreen&) = delete;
+
+  // While it lives, the context is the calling thread's. Throws std::runtime_error.
+  class Current {
+   public:
+    explicit Current(const OffScreen& context) {
+      // The API that is bound belongs to the thread.
+      if (eglBindAPI(EGL_OPENGL_API) != EGL_TRUE ||
+          eglMakeCurrent(SoftwareDisplay(), EGL_NO_SURFACE, EGL_NO_SURFACE, context.context_) !=
+              EGL_TRUE) {
+        FailEgl("eglMakeCurrent");
+      }
+    }
+    ~Current() {
+      eglMakeCurrent(SoftwareDisplay(), EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
+    }
+    Current(const Current&) = delete;
+    Current& operator=(const Current&) = delete;
+  };
+
+ private:
+  void* context_ = nullptr;  // EGLContext
+};
 
 using Eigen::Isometry3d;
 using Eigen::Matrix4d;

@@ -4,6 +4,7 @@
 #include <sstream>
 #include <vector>
 
+#include "components/base/types/joined.h"
 #include "components/base/types/median.h"
 #include "tools/conform/real_time_run.h"
 
@@ -81,12 +82,11 @@ Window PlayWindows(RealTimeRun& run, const Moment& like,
 }
 
 std::string AnsweredText(const Role& role, const Window& window) {
-  std::string text;
-  for (const node::TopicInfo& topic : role.must_write) {
-    text +=
-        (text.empty() ? "" : ", ") + topic.name + " " + std::to_string(window.Answered(topic.name));
-  }
-  return text + " of " + std::to_string(window.ticks) + " ticks";
+  const auto answered = [&window](const node::TopicInfo& topic) {
+    return topic.name + " " + std::to_string(window.Answered(topic.name));
+  };
+  return types::Joined(role.must_write, ", ", answered) + " of " + std::to_string(window.ticks) +
+         " ticks";
 }
 
 bool AnsweredMost(const Role& role, const Window& window) {

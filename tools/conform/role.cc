@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "components/base/config/config.h"
+#include "components/base/types/joined.h"
 #include "components/topics/node/topic_parties.h"
 
 namespace sinew::conform {
@@ -61,11 +62,7 @@ std::vector<std::string> RoleNames() { return {std::begin(kRoles), std::end(kRol
 
 Role FindRole(const std::string& name) {
   if (std::find(std::begin(kRoles), std::end(kRoles), name) == std::end(kRoles)) {
-    std::string names;
-    for (const std::string_view role : kRoles) {
-      names += (names.empty() ? "" : ", ") + std::string(role);
-    }
-    throw UsageError("no role '" + name + "', expected one of: " + names);
+    throw UsageError("no role '" + name + "', expected one of: " + types::Joined(kRoles));
   }
   Role role;
   role.name = name;

@@ -1,5 +1,3 @@
-#include "tools/export_recording/command.h"
-
 #include <CLI/CLI.hpp>
 #include <filesystem>
 #include <iostream>

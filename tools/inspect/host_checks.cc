@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "components/base/config/config.h"
+#include "components/base/types/joined.h"
 #include "components/base/types/text.h"
 
 namespace sinew::inspect {
@@ -116,10 +117,9 @@ Finding CheckCpuGovernor(const fs::path& root) {
     return {"cpu_governor", Severity::kNote,
             "no CPU has a frequency governor (a virtual machine, or firmware sets it)", ""};
   }
-  std::string list;
-  for (const auto& [governor, count] : governors) {
-    list += (list.empty() ? "" : ", ") + governor + " on " + std::to_string(count);
-  }
+  const std::string list = types::Joined(governors, ", ", [](const auto& each) {
+    return each.first + " on " + std::to_string(each.second);
+  });
   if (governors.size() == 1 && governors.contains("performance")) {
     return {"cpu_governor", Severity::kOk, list + " CPUs", ""};
   }

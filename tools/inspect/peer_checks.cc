@@ -112,7 +112,7 @@ Finding CheckOpenness(const Openness& own, const std::vector<node::Endpoint>& en
             "loopback alone: every user of this host, and nobody else, can command the robot", ""};
   }
   return {"network", Severity::kWarning,
-          "open without a key or DDS security: " + types::Joined({open.begin(), open.end()}) +
+          "open without a key or DDS security: " + types::Joined(open) +
               "; whoever reaches that network can arm, move and stop the robot, and reads all "
               "that it publishes",
           "sinew security init DEPLOYMENT, or a key: docs/how-to/several-hosts.md"};

@@ -25,6 +25,7 @@
 #include <cstring>
 #include <deque>
 #include <iomanip>
+#include <memory>
 #include <sstream>
 #include <system_error>
 
@@ -67,9 +68,8 @@ struct PrepareChild {
   }
 };
 
-}  // namespace
-
-struct Launcher::Impl {
+class Launcher {
+ public:
   enum class State { kWaiting, kRunning, kExited, kBackingOff, kEnded };
 
   struct Stream {
@@ -97,8 +97,8 @@ struct Launcher::Impl {
   // One group of processes is asked to stop at a time: provider, the others, those that stop last.
   enum class Phase { kRunning, kSettling, kProvider, kOthers, kLast };
 
-  Impl(Deployment d, Output& o)
-      : deployment(std::move(d)), output(o), signals(context), phase_timer(context) {
+  Launcher(const Deployment& d, Output& o)
+      : deployment(d), output(o), signals(context), phase_timer(context) {
     for (std::size_t i = 0; i < deployment.processes.size(); ++i) {
       auto child = std::make_unique<Child>();
       child->process = &deployment.processes[i];
@@ -108,7 +108,7 @@ struct Launcher::Impl {
     }
   }
 
-  ~Impl() {
+  ~Launcher() {
     for (auto& child : children) {
       if (child->state != State::kRunning) continue;
       ::kill(-child->pid, SIGKILL);
@@ -429,7 +429,7 @@ struct Launcher::Impl {
     for (auto& child : children) child->timer->cancel();
   }
 
-  Deployment deployment;
+  const Deployment& deployment;
   Output& output;
   asio::io_context context;
   asio::signal_set signals;
@@ -441,10 +441,10 @@ struct Launcher::Impl {
   Result result;
 };
 
-Launcher::Launcher(Deployment deployment, Output& output)
-    : impl_(std::make_unique<Impl>(std::move(deployment), output)) {}
-Launcher::~Launcher() = default;
+}  // namespace
 
-Result Launcher::Run() { return impl_->Run(); }
+Result RunDeployment(const Deployment& deployment, Output& output) {
+  return Launcher(deployment, output).Run();
+}
 
 }  // namespace sinew::launch

@@ -1,11 +1,10 @@
 // Starts the processes of a deployment, watches and restarts them, stops them in a good order.
 //
-// One thread, one run per object. Signals go to process groups that this object made, never to
+// One thread. Signals go to process groups that a run made, never to
 // anything else; if this process dies, the kernel sends SIGTERM to its children, which end in
 // order.
 #pragma once
 
-#include <memory>
 #include <string>
 #include <vector>
 
@@ -28,21 +27,9 @@ struct Result {
   bool ok() const { return failures.empty(); }
 };
 
-class Launcher {
- public:
-  // `output` names the processes in the order of the deployment.
-  Launcher(Deployment deployment, Output& output);
-  ~Launcher();
-  Launcher(const Launcher&) = delete;
-  Launcher& operator=(const Launcher&) = delete;
-
-  // Blocks until every process has ended. SIGINT, SIGTERM, SIGQUIT and SIGHUP stop the deployment;
-  // a second one skips to SIGTERM, a third to SIGKILL.
-  Result Run();
-
- private:
-  struct Impl;
-  std::unique_ptr<Impl> impl_;
-};
+// Blocks until every process has ended. `output` names the processes in the order of the
+// deployment. SIGINT, SIGTERM, SIGQUIT and SIGHUP stop the deployment; a second one skips to
+// SIGTERM, a third to SIGKILL.
+Result RunDeployment(const Deployment& deployment, Output& output);
 
 }  // namespace sinew::launch

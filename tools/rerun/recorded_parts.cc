@@ -5,6 +5,7 @@
 #include <system_error>
 
 #include "components/base/config/config.h"
+#include "components/base/types/joined.h"
 
 namespace sinew::rerun {
 namespace {
@@ -28,11 +29,7 @@ bool IsDeployment(const std::string& text) {
 }
 
 std::string NamesOf(const launch::Deployment& deployment) {
-  std::string names;
-  for (const launch::Process& process : deployment.processes) {
-    names += (names.empty() ? "" : ", ") + process.name;
-  }
-  return names;
+  return types::Joined(deployment.processes, ", ", &launch::Process::name);
 }
 
 bool CanRunAgain(const launch::Process& process) {

@@ -1,22 +1,69 @@
 #include "tools/rerun/rerun.h"
 
+#include <sinew_idl/snapshot.h>
+
 #include <algorithm>
 #include <chrono>
+#include <cstdint>
 #include <map>
 #include <memory>
 #include <set>
 #include <stdexcept>
+#include <string>
 #include <utility>
 
 #include "components/base/config/config.h"
+#include "components/record/recording/mcap_reader.h"
+#include "components/topics/node/codec.h"
 #include "components/topics/node/tick_loop.h"
 #include "components/topics/node/topics.h"
 #include "tools/rerun/output_facts.h"
-#include "tools/rerun/snapshots.h"
+#include "tools/rerun/recorded_ticks.h"
 #include "tools/rerun/stage.h"
 
 namespace sinew::rerun {
 namespace {
+
+// The snapshots of a recording (topic component_snapshot), put together from their parts.
+struct Snapshot {
+  std::uint64_t tick = 0;  // after this cycle
+  std::uint32_t version = 0;
+  node::Bytes content;
+};
+
+// A snapshot whose parts come one after the other.
+struct Gathered {
+  Snapshot snapshot;
+  std::uint32_t next_part = 0;
+};
+
+// The last whole snapshot of each participant, by name, of the session up to `last_tick`. One that
+// lacks a part counts as none. `file` is named in messages. Throws UsageError when they are of
+// another type than this build's; recording::McapError.
+std::map<std::string, Snapshot> SnapshotsUpTo(const recording::McapReader& reader,
+                                              const std::string& file, const Session& session,
+                                              std::uint64_t last_tick) {
+  CheckTypes(reader, file, {"component_snapshot"});
+  recording::MessageFilter filter;
+  filter.topics = std::set<std::string>{"component_snapshot"};
+  recording::McapMessages messages = reader.Messages(filter);
+  std::map<std::string, Snapshot> whole;
+  std::map<std::string, Gathered> gathered;
+  recording::McapMessage message;
+  while (messages.Next(&message)) {
+    msg::ComponentSnapshot part;
+    if (!node::Decode({message.data.begin(), message.data.end()}, &part)) continue;
+    if (part.header.session_id != session.id || part.header.tick > last_tick) continue;
+    const std::string name = part.name;
+    Gathered& now = gathered[name];
+    if (part.part == 0) now = {{part.header.tick, part.version, {}}, 0};
+    if (part.part != now.next_part || part.header.tick != now.snapshot.tick) continue;
+    const auto* begin = reinterpret_cast<const std::byte*>(part.content.data());
+    now.snapshot.content.insert(now.snapshot.content.end(), begin, begin + part.content.size());
+    if (++now.next_part == part.part_count) whole[name] = std::move(now.snapshot);
+  }
+  return whole;
+}
 
 bool IsEvent(std::string_view topic) {
   return node::FindTopic(topic)->profile == node::Profile::kEvent;

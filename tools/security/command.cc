@@ -1,5 +1,3 @@
-#include "tools/security/command.h"
-
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>

@@ -11,11 +11,12 @@
 #include <vector>
 
 #include "components/base/config/config.h"
+#include "components/base/types/joined.h"
 #include "components/base/types/json_text.h"
 #include "components/base/types/printable.h"
 #include "components/record/recording/file/file_io.h"
 #include "components/record/recording/mcap_reader.h"
-#include "tools/sinew/core_commands.h"
+#include "tools/sinew/commands.h"
 #include "tools/sinew/printed.h"
 
 namespace sinew::tools {
@@ -66,10 +67,7 @@ void ShowAttachments(const AttachmentsOptions& options) {
         attachments.begin(), attachments.end(),
         [&options](const auto& attachment) { return attachment.name == options.name; });
     if (found != attachments.end()) return TakeOut(*found, options);
-    std::string names;
-    for (const auto& attachment : attachments) {
-      names += (names.empty() ? "" : ", ") + attachment.name;
-    }
+    const std::string names = types::Joined(attachments, ", ", &recording::McapAttachment::name);
     throw UsageError(options.file.string() + ": no attachment '" + options.name + "', expected " +
                      (names.empty() ? "a recording with attachments" : "one of: " + names));
   } catch (const recording::McapError& error) {

@@ -1,21 +1,30 @@
-#include "tools/sinew/close_loop.h"
+#include "components/model/close_loop/close_loop.h"
 
 #include <malloc.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <chrono>
 #include <climits>
+#include <filesystem>
 #include <iostream>
 #include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
 
 #include "components/base/config/config.h"
 #include "components/base/types/clock/utc.h"
-#include "components/model/close_loop/close_loop.h"
+#include "components/base/types/json_text.h"
+#include "components/model/close_loop/input.h"
 #include "components/model/gate/rules.h"
+#include "components/model/report/file/report_file.h"
+#include "components/model/report/file/section_file.h"
 #include "components/model/trace/rules.h"
 #include "components/topics/node/host_name.h"
 #include "components/topics/node/version.h"
 #include "sim/plant/joint_body.h"
+#include "tools/sinew/commands.h"
 #include "tools/sinew/print_section.h"
 #include "tools/sinew/progress.h"
 #include "tools/sinew/shipped.h"
@@ -42,10 +51,17 @@ void KeepMemory() {
   mallopt(M_TOP_PAD, 64 << 20);
 }
 
+// When, where and by which command a page is made, for its end.
+std::string Made() {
+  std::string words = config::ReadFile("/proc/self/cmdline", 1 << 20);
+  while (!words.empty() && words.back() == '\0') words.pop_back();
+  std::replace(words.begin(), words.end(), '\0', ' ');
+  return types::UtcNow() + " on " + node::HostName() + ", sinew " + node::kVersion + ": " + words;
+}
+
 void Execute(close_loop::Options options, const std::filesystem::path& out, bool json) {
   KeepMemory();
   ProgressBar bar("close-loop", "%", 100);
-  options.rig = RobotsFolder() / "rig";
   options.body = plant::JointAlone();
   options.progress = [&bar](double share) {
     bar.Update(static_cast<std::uint64_t>(100.0 * share));
@@ -64,6 +80,22 @@ void Execute(close_loop::Options options, const std::filesystem::path& out, bool
                                      : ", and a report of each joint in a folder of its name\n");
 }
 
+void AddModelOptions(close_loop::Options* options, CLI::App* command) {
+  options->rig = RobotsFolder() / "rig";
+  command->add_option(
+      "--model", options->model,
+      "Model file (sinew-model/1) or a laboratory's rig.json; the rig's by default");
+  command->add_option("--map", options->map,
+                      "Mapping of CSV columns (sinew-csv-map/1); csv_map.yaml beside the model by "
+                      "default, else the rig's");
+}
+
+void AddAcceptFault(close_loop::Options* options, CLI::App* command, const char* help) {
+  command->add_option("--accept-fault", options->accepted_faults, help)
+      ->allow_extra_args(false)
+      ->check(CLI::IsMember(IdsOf(gate::Rules())));
+}
+
 // Options of the search for the effect.
 void AddSearchOptions(close_loop::Options* options, CLI::App* command) {
   command
@@ -75,12 +107,9 @@ void AddSearchOptions(close_loop::Options* options, CLI::App* command) {
       ->check(CLI::IsMember({"torque", kSimulation}));
   command->add_option("--seed", options->seed, "Seed of the null test's random signs")
       ->capture_default_str();
-  command
-      ->add_option("--accept-fault", options->accepted_faults,
-                   "Continue in spite of this fault of the data (docs/data-gate.md), with `spike` "
-                   "also with the rows that stand alone; repeatable")
-      ->allow_extra_args(false)
-      ->check(CLI::IsMember(FaultNames()));
+  AddAcceptFault(options, command,
+                 "Continue in spite of this fault of the data (docs/data-gate.md), with `spike` "
+                 "also with the rows that stand alone; repeatable");
   command->add_flag("--keep-unconfirmed", options->keep_unconfirmed,
                     "Effects that the held-out recordings neither confirm nor refute go into "
                     "model.yaml, too");
@@ -109,16 +138,62 @@ void AddSearchOptions(close_loop::Options* options, CLI::App* command) {
       ->check(CLI::IsMember(effects::EffectNames()));
 }
 
-}  // namespace
+struct CheckDataOptions {
+  close_loop::Options loop;  // model, map, joint, recordings, accepted faults
+  std::filesystem::path out;
+  bool json = false;
+};
 
-std::vector<std::string> FaultNames() { return IdsOf(gate::Rules()); }
-
-std::string Made() {
-  std::string words = config::ReadFile("/proc/self/cmdline", 1 << 20);
-  while (!words.empty() && words.back() == '\0') words.pop_back();
-  std::replace(words.begin(), words.end(), '\0', ' ');
-  return types::UtcNow() + " on " + node::HostName() + ", sinew " + node::kVersion + ": " + words;
+void PrintLines(const gate::GateReport& found) {
+  for (const gate::Fault& fault : found.faults) {
+    std::cout << "fault " << gate::FormatFault(fault) << '\n';
+  }
+  for (const identify::Finding& finding : found.findings) {
+    std::cout << "finding " << finding.name << ": " << finding.text << '\n';
+  }
+  std::cout << "verdict: " << report::VerdictWord(found) << '\n';
 }
+
+void CheckData(const CheckDataOptions& options) {
+  const auto start = std::chrono::steady_clock::now();
+  const close_loop::Input input = close_loop::LoadInput(options.loop);
+  const int number = options.loop.joint.value_or(0);
+  const actuator::JointModel& joint = input.model.robot.joints[static_cast<std::size_t>(number)];
+  const std::vector<types::Run> runs = close_loop::ReadJoint(options.loop.train, input.map, number);
+  if (runs.empty()) throw UsageError("no recording of joint " + joint.name);
+  report::Report check{.robot = input.model.robot.name,
+                       .joint = joint.name,
+                       .model_file = input.model_path.string(),
+                       .train = close_loop::Described(runs)};
+  try {
+    check.gate = close_loop::AskGate(options.loop, runs, joint);
+  } catch (const std::invalid_argument& error) {
+    throw UsageError(error.what());
+  }
+  check.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  const std::string json = types::JsonText(report::CheckJson(check), 2) + "\n";
+  const std::filesystem::path& out = options.out;
+  if (!out.empty()) {
+    report::Page page =
+        report::MakeCheckPage(check, report::MakePictures(check.gate, runs, joint));
+    page.made = Made();
+    const std::string html = report::DrawnHtml(std::move(page));
+    std::error_code error;
+    std::filesystem::create_directories(out, error);
+    if (error) throw UsageError(out.string() + ": " + error.message() + ", expected a folder");
+    config::WriteFileAtomically(out / "check.json", json);
+    config::WriteFileAtomically(out / "check.html", html);
+  }
+  if (options.json) {
+    std::cout << json;
+  } else {
+    PrintLines(check.gate);
+    if (!out.empty()) std::cout << "written: " << (out / "check.html").string() << ", check.json\n";
+  }
+  if (check.gate.stops()) throw CLI::RuntimeError(1);
+}
+
+}  // namespace
 
 void AddCloseLoopCommand(CLI::App& app) {
   struct Arguments {
@@ -130,12 +205,7 @@ void AddCloseLoopCommand(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("close-loop", "Find the effect that a model lacks, from recordings");
   close_loop::Options& options = arguments->options;
-  command->add_option(
-      "--model", options.model,
-      "Model file (sinew-model/1) or a laboratory's rig.json; the rig's by default");
-  command->add_option("--map", options.map,
-                      "Mapping of CSV columns (sinew-csv-map/1); csv_map.yaml beside the model by "
-                      "default, else the rig's");
+  AddModelOptions(&options, command);
   command->add_option("--held-out-map,--sealed-map", options.held_out_map,
                       "Mapping of the held-out CSV files where it is another one");
   command
@@ -172,6 +242,30 @@ void AddCloseLoopCommand(CLI::App& app) {
       "\\\n"
       "    --out found                       # payload and friction of a robot on two feet");
   command->callback([arguments] { Execute(arguments->options, arguments->out, arguments->json); });
+}
+
+void AddCheckDataCommand(CLI::App& app) {
+  auto options = std::make_shared<CheckDataOptions>();
+  CLI::App* command =
+      app.add_subcommand("check-data", "Check recordings before a fit: faults and findings");
+  close_loop::Options& loop = options->loop;
+  command->add_option("recordings", loop.train, "Recordings: CSV, MCAP or bags of ROS 2")
+      ->required();
+  AddModelOptions(&loop, command);
+  command->add_option("--joint", loop.joint,
+                      "Joint of the model and of the recordings, from 0 on; 0 by default");
+  command->add_option("--out", options->out, "Folder for check.html and check.json");
+  AddAcceptFault(&loop, command,
+                 "This fault of the data is listed and is no data_fault (docs/data-gate.md); "
+                 "repeatable");
+  command->add_flag("--json", options->json, "Print check.json");
+  command->footer(
+      "Prints one line per fault and finding, then the verdict: data_fault or ok. Faults are what "
+      "close-loop stops\nat; docs/data-gate.md has the rules and their limits.\n\nExamples:\n"
+      "  sinew check-data train_1.csv train_2.csv --out checked\n"
+      "  sinew check-data --model robots/emps/model.yaml --map robots/emps/csv_map.yaml "
+      "DATA_EMPS.csv");
+  command->callback([options] { CheckData(*options); });
 }
 
 }  // namespace sinew::tools

@@ -1,9 +1,5 @@
 #include "tools/sinew/commands.h"
-
-#include "tools/sinew/close_loop.h"
-#include "tools/sinew/core_commands.h"
 #include "tools/sinew/experiment.h"
-#include "tools/sinew/performance.h"
 #include "tools/sinew/train.h"
 
 namespace sinew::tools {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "components/base/types/joined.h"
-#include "tools/sinew/core_commands.h"
+#include "tools/sinew/commands.h"
 
 namespace sinew::tools {
 

@@ -9,7 +9,7 @@
 #include "components/base/config/config.h"
 #include "components/base/types/json_text.h"
 #include "tools/launch/find_program.h"
-#include "tools/sinew/core_commands.h"
+#include "tools/sinew/commands.h"
 #include "tools/sinew/node_options.h"
 
 namespace sinew::tools {

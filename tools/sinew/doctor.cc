@@ -29,7 +29,7 @@
 #include "tools/inspect/peer_checks.h"
 #include "tools/inspect/run_tool.h"
 #include "tools/inspect/shared_memory.h"
-#include "tools/sinew/core_commands.h"
+#include "tools/sinew/commands.h"
 #include "tools/sinew/node_options.h"
 
 namespace sinew::tools {

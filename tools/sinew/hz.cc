@@ -12,6 +12,7 @@
 
 #include "components/base/config/config.h"
 #include "components/base/types/clock/clock.h"
+#include "components/base/types/joined.h"
 #include "components/base/types/json_text.h"
 #include "components/base/types/text.h"
 #include "components/record/recording/cdr.h"
@@ -20,7 +21,7 @@
 #include "components/topics/node/node.h"
 #include "components/topics/node/time_option.h"
 #include "tools/inspect/rate_meter.h"
-#include "tools/sinew/core_commands.h"
+#include "tools/sinew/commands.h"
 #include "tools/sinew/node_options.h"
 #include "tools/sinew/printed.h"
 
@@ -183,7 +184,6 @@ Summaries OfRecording(const HzOptions& options) {
   try {
     const recording::McapReader reader(source);
     std::set<std::string> recorded;
-    std::string list;
     std::map<recording::ChannelId, std::optional<HeaderFields>> fields;
     for (const auto& [id, channel] : reader.channels()) {
       recorded.insert(channel.topic);
@@ -196,12 +196,12 @@ Summaries OfRecording(const HzOptions& options) {
       } catch (const std::runtime_error&) {  // a foreign type without our header: rate alone
       }
     }
-    for (const std::string& topic : recorded) list += (list.empty() ? "" : ", ") + topic;
     recording::MessageFilter filter;
     if (!options.topics.empty()) filter.topics.emplace();
     for (const std::string& topic : options.topics) {
       if (!recorded.contains(topic)) {
-        throw UsageError(options.from + ": no topic '" + topic + "', expected one of: " + list);
+        throw UsageError(options.from + ": no topic '" + topic +
+                         "', expected one of: " + types::Joined(recorded));
       }
       filter.topics->insert(topic);
     }
@@ -226,14 +226,15 @@ Summaries OfRecording(const HzOptions& options) {
 
 std::vector<const node::TopicInfo*> WantedTopics(const std::vector<std::string>& names) {
   std::vector<const node::TopicInfo*> wanted;
-  std::string list;
   for (const node::TopicInfo& topic : node::AllTopics()) {
-    list += (list.empty() ? "" : ", ") + topic.name;
     if (names.empty()) wanted.push_back(&topic);
   }
   for (const std::string& name : names) {
     const node::TopicInfo* topic = node::FindTopic(name);
-    if (topic == nullptr) throw UsageError("no topic '" + name + "', expected one of: " + list);
+    if (topic == nullptr) {
+      throw UsageError("no topic '" + name + "', expected one of: " +
+                       types::Joined(node::AllTopics(), ", ", &node::TopicInfo::name));
+    }
     wanted.push_back(topic);
   }
   return wanted;

@@ -12,7 +12,7 @@
 #include "components/base/types/json_text.h"
 #include "components/base/types/printable.h"
 #include "components/topics/node/topics.h"
-#include "tools/sinew/core_commands.h"
+#include "tools/sinew/commands.h"
 #include "tools/sinew/progress.h"
 
 namespace sinew::tools {

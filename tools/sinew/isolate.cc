@@ -16,7 +16,7 @@
 #include "components/base/config/config.h"
 #include "components/topics/isolation/isolation.h"
 #include "components/topics/node/systemd_link.h"
-#include "tools/sinew/core_commands.h"
+#include "tools/sinew/commands.h"
 
 namespace sinew::tools {
 

@@ -15,7 +15,7 @@
 #include "components/topics/node/node.h"
 #include "tools/launch/deployment.h"
 #include "tools/launch/launcher.h"
-#include "tools/sinew/core_commands.h"
+#include "tools/sinew/commands.h"
 #include "tools/sinew/printed.h"
 
 namespace sinew::tools {
@@ -166,8 +166,7 @@ void RunLaunch(LaunchOptions options) {
   const int descriptor = options.json ? STDERR_FILENO : STDOUT_FILENO;
   launch::Output output(Unfiltered(lines), Unfiltered(std::cerr), launch::WantsColour(descriptor),
                         names);
-  launch::Launcher launcher(deployment, output);
-  const launch::Result result = launcher.Run();
+  const launch::Result result = launch::RunDeployment(deployment, output);
   PrintResult(deployment, result, options.json, &output);
   if (!result.ok()) throw CLI::RuntimeError(1);
 }

@@ -34,7 +34,7 @@
 #include "components/topics/node/time_option.h"
 #include "tools/inspect/peer_checks.h"
 #include "tools/inspect/topic_table.h"
-#include "tools/sinew/core_commands.h"
+#include "tools/sinew/commands.h"
 #include "tools/sinew/node_options.h"
 #include "tools/sinew/printed.h"
 

@@ -26,7 +26,7 @@
 #include "components/topics/node/node.h"
 #include "components/topics/node/time_option.h"
 #include "tools/inspect/log_lines.h"
-#include "tools/sinew/core_commands.h"
+#include "tools/sinew/commands.h"
 #include "tools/sinew/node_options.h"
 #include "tools/sinew/printed.h"
 

@@ -11,7 +11,7 @@
 #include "components/base/types/json_text.h"
 #include "components/model/actuator/file/model_file.h"
 #include "components/model/effects/effect.h"
-#include "tools/sinew/core_commands.h"
+#include "tools/sinew/commands.h"
 
 namespace sinew::tools {
 

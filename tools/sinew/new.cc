@@ -11,7 +11,7 @@
 #include "components/record/recording/csv_map.h"
 #include "components/record/recording/file/csv_map_file.h"
 #include "tools/new_bench/propose.h"
-#include "tools/sinew/core_commands.h"
+#include "tools/sinew/commands.h"
 
 namespace sinew::tools {
 

@@ -3,7 +3,6 @@
 #include <sinew_idl/status.h>
 
 #include <CLI/CLI.hpp>
-#include <algorithm>
 #include <chrono>
 #include <exception>
 #include <filesystem>
@@ -17,12 +16,13 @@
 
 #include "components/base/types/fault.h"
 #include "components/base/types/json_text.h"
+#include "components/base/types/operator_action.h"
 #include "components/robot/estop/press.h"
 #include "components/robot/estop/socket_folder.h"
 #include "components/topics/isolation/isolation.h"
 #include "components/topics/node/node.h"
 #include "components/topics/node/time_option.h"
-#include "tools/sinew/core_commands.h"
+#include "tools/sinew/commands.h"
 #include "tools/sinew/node_options.h"
 
 namespace sinew::tools {
@@ -33,13 +33,6 @@ using Clock = std::chrono::steady_clock;
 using std::chrono::milliseconds;
 
 constexpr milliseconds kRepeat(100);  // arm is volatile and estop must get through: say it again
-
-struct Request {
-  msg::OperatorAction action;
-  const char* name;
-  std::vector<msg::RobotState> reached;  // robot states that mean it was done
-  bool needs_session;                    // bound to the session it is meant for
-};
 
 struct OperatorOptions {
   node::Options node;
@@ -65,8 +58,8 @@ std::string RefusalIn(node::Reader<msg::ComponentStatus>& statuses, const msg::H
 }
 
 // Why the requested state was not reached, for the operator.
-std::string Why(const Request& request, const std::optional<msg::JointState>& state, bool heard,
-                int domain_id) {
+std::string Why(types::OperatorAction action, const std::optional<msg::JointState>& state,
+                bool heard, int domain_id) {
   if (!state) {
     return std::string("no state provider heard in domain ") + std::to_string(domain_id) +
            (heard ? "; the command was delivered to others" : "") + isolation::OthersIn(domain_id);
@@ -76,9 +69,8 @@ std::string Why(const Request& request, const std::optional<msg::JointState>& st
            "its certificate (--key, --qos)";
   }
   const std::string now = NameOf(state->robot_state);
-  if (request.action == msg::OperatorAction::kArm &&
-      (state->robot_state == msg::RobotState::kFault ||
-       state->robot_state == msg::RobotState::kEstopped)) {
+  if (action == msg::OperatorAction::kArm && (state->robot_state == msg::RobotState::kFault ||
+                                              state->robot_state == msg::RobotState::kEstopped)) {
     const std::string fault = types::FaultText(types::FromMessage(state->fault));
     return "the robot is in '" + now + "'" + (fault.empty() ? "" : ": " + fault) +
            "; then 'sinew reset'";
@@ -127,9 +119,9 @@ LocalEstop AnswerOf(std::vector<Pressed> pressed, bool named) {
   return local;
 }
 
-void RunOperator(const Request& request, OperatorOptions options) {
+void RunOperator(types::OperatorAction action, OperatorOptions options) {
   std::vector<Pressed> pressed;  // their answers wait until DDS has the estop as well
-  if (request.action == msg::OperatorAction::kEstop) {
+  if (action == msg::OperatorAction::kEstop) {
     pressed = PressLocally(options);
   }
   options.node.component = "operator";
@@ -145,7 +137,7 @@ void RunOperator(const Request& request, OperatorOptions options) {
   auto states = node.MakeReader(node::kJointState);
   auto commands = node.MakeWriter(node::kOperatorCommand);
   std::optional<node::Reader<msg::ComponentStatus>> statuses;
-  if (request.action == msg::OperatorAction::kArm)
+  if (action == msg::OperatorAction::kArm)
     statuses.emplace(node.MakeReader(node::kComponentStatus));
   std::string refusal;
   msg::Header first_sent;  // what an arm is sent with
@@ -157,16 +149,14 @@ void RunOperator(const Request& request, OperatorOptions options) {
   while (!done && refusal.empty() && Clock::now() < end) {
     if (sent && statuses) refusal = RefusalIn(*statuses, first_sent);
     if (auto newest = states.WaitNext(milliseconds(20))) state = newest;
-    if (state && sent) {
-      done = std::find(request.reached.begin(), request.reached.end(), state->robot_state) !=
-             request.reached.end();
-    }
-    const bool may_send = commands.matched_readers() > 0 && (state || !request.needs_session);
+    if (state && sent) done = types::HasReached(state->robot_state, action);
+    const bool may_send =
+        commands.matched_readers() > 0 && (state || !types::IsBoundToSession(action));
     if (done || !may_send || Clock::now() < next_send) continue;
     msg::OperatorCommand command;
     if (state) command.header = state->header;
     if (!sent) first_sent = command.header;
-    command.action = request.action;
+    command.action = action;
     command.reason = options.reason.substr(0, 63);
     sent = commands.Write(command) == node::WriteStatus::kOk || sent;
     next_send = Clock::now() + kRepeat;
@@ -175,9 +165,9 @@ void RunOperator(const Request& request, OperatorOptions options) {
   const LocalEstop local = AnswerOf(std::move(pressed), !options.sockets.empty());
   const std::string why = done               ? ""
                           : !refusal.empty() ? refusal
-                                             : Why(request, state, sent, options.node.domain_id);
+                                             : Why(action, state, sent, options.node.domain_id);
   if (options.json) {
-    nlohmann::ordered_json report = {{"action", request.name}, {"done", done}};
+    nlohmann::ordered_json report = {{"action", NameOf(action)}, {"done", done}};
     if (state) report["robot_state"] = NameOf(state->robot_state);
     if (!local.socket.empty()) {
       report["socket"] = {
@@ -189,7 +179,7 @@ void RunOperator(const Request& request, OperatorOptions options) {
     std::cout << "robot is " << NameOf(state->robot_state) << '\n';
   }
   if (done) return;
-  std::cerr << "sinew " << request.name << ": " << why << '\n';
+  std::cerr << "sinew " << NameOf(action) << ": " << why << '\n';
   if (local.idle) {
     std::cerr << "sinew estop: motors are off, by " << local.socket.string()
               << "; DDS did not confirm it\n";
@@ -198,16 +188,16 @@ void RunOperator(const Request& request, OperatorOptions options) {
   throw CLI::RuntimeError(1);
 }
 
-void AddOne(CLI::App& app, const Request& request, const std::string& description,
+void AddOne(CLI::App& app, types::OperatorAction action, const std::string& description,
             const std::string& note) {
   auto options = std::make_shared<OperatorOptions>();
-  CLI::App* command = app.add_subcommand(request.name, description);
+  CLI::App* command = app.add_subcommand(NameOf(action), description);
   AddNodeOptions(*command, &options->node);
   command->add_option("--reason", options->reason, "For the log of the provider, 63 characters");
   command->add_option("--timeout", options->timeout_s, "Seconds to wait for the robot's answer")
       ->check(node::IsTime(node::Zero::kRefused))
       ->capture_default_str();
-  if (request.action == msg::OperatorAction::kEstop) {
+  if (action == msg::OperatorAction::kEstop) {
     command->add_option(
         "--socket", options->sockets,
         "Socket of a state provider on this host; by default all of them, or those of "
@@ -216,29 +206,23 @@ void AddOne(CLI::App& app, const Request& request, const std::string& descriptio
   command->add_flag("--json", options->json, "As JSON");
   command->footer(note +
                   "\nExit code 1 when the robot did not get there in time.\n\nExample:\n  sinew " +
-                  request.name + " --domain 0");
-  command->callback([request, options] { RunOperator(request, *options); });
+                  NameOf(action) + " --domain 0");
+  command->callback([action, options] { RunOperator(action, *options); });
 }
 
 }  // namespace
 
 void AddOperatorCommands(CLI::App& app) {
-  AddOne(
-      app,
-      {msg::OperatorAction::kArm, "arm", {msg::RobotState::kArmed, msg::RobotState::kDamped}, true},
-      "Let the motors move", "Bound to the session that runs now: a restarted robot is disarmed.");
-  AddOne(app,
-         {msg::OperatorAction::kDisarm,
-          "disarm",
-          {msg::RobotState::kDisarmed, msg::RobotState::kFault, msg::RobotState::kEstopped},
-          false},
-         "Motors off", "A robot in fault or estopped has its motors off already.");
-  AddOne(app, {msg::OperatorAction::kEstop, "estop", {msg::RobotState::kEstopped}, false},
-         "Motors off and latched until reset",
+  using types::OperatorAction;
+  AddOne(app, OperatorAction::kArm, "Let the motors move",
+         "Bound to the session that runs now: a restarted robot is disarmed.");
+  AddOne(app, OperatorAction::kDisarm, "Motors off",
+         "A robot in fault or estopped has its motors off already.");
+  AddOne(app, OperatorAction::kEstop, "Motors off and latched until reset",
          "By the socket of a state provider on this host, where there is one, and by DDS: repeated "
          "until the robot reports that it has stopped.");
-  AddOne(app, {msg::OperatorAction::kReset, "reset", {msg::RobotState::kDisarmed}, true},
-         "From fault or estop to disarmed", "Arm it again afterwards.");
+  AddOne(app, OperatorAction::kReset, "From fault or estop to disarmed",
+         "Arm it again afterwards.");
 }
 
 }  // namespace sinew::tools

@@ -1,4 +1,4 @@
-#include "tools/sinew/performance.h"
+#include "tools/sinew/commands.h"
 
 #include <CLI/CLI.hpp>
 #include <cstdio>

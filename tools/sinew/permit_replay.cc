@@ -17,7 +17,7 @@
 #include "components/topics/node/endpoint.h"
 #include "components/topics/node/node.h"
 #include "components/topics/node/time_option.h"
-#include "tools/sinew/core_commands.h"
+#include "tools/sinew/commands.h"
 #include "tools/sinew/node_options.h"
 
 namespace sinew::tools {

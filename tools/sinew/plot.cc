@@ -24,7 +24,7 @@
 #include "components/topics/node/time_option.h"
 #include "tools/export_recording/tables.h"
 #include "tools/inspect/message_text.h"
-#include "tools/sinew/core_commands.h"
+#include "tools/sinew/commands.h"
 #include "tools/sinew/echo_plot.h"
 #include "tools/sinew/printed.h"
 

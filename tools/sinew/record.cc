@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "components/base/types/json_text.h"
-#include "tools/sinew/core_commands.h"
+#include "tools/sinew/commands.h"
 #include "tools/sinew/node_options.h"
 #include "tools/sinew/progress.h"
 

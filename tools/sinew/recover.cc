@@ -9,7 +9,7 @@
 #include "components/record/recording/file/file_io.h"
 #include "components/record/recording/mcap_reader.h"
 #include "components/record/recording/mcap_recover.h"
-#include "tools/sinew/core_commands.h"
+#include "tools/sinew/commands.h"
 
 namespace sinew::tools {
 

@@ -7,7 +7,7 @@
 #include "sim/render/file/film.h"
 #include "sim/render/file/recorded_poses.h"
 #include "sim/render/file/scene_file.h"
-#include "tools/sinew/core_commands.h"
+#include "tools/sinew/commands.h"
 
 namespace sinew::tools {
 

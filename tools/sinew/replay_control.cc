@@ -8,10 +8,11 @@
 #include <vector>
 
 #include "components/base/config/config.h"
+#include "components/base/types/joined.h"
 #include "components/base/types/json_text.h"
 #include "components/record/logger/player/control_socket.h"
 #include "components/record/logger/player/play_control.h"
-#include "tools/sinew/core_commands.h"
+#include "tools/sinew/commands.h"
 
 namespace sinew::tools {
 
@@ -70,8 +71,7 @@ void AddReplayControlCommand(CLI::App& app) {
       "  sinew replay-control player seek 12.5\n"
       "  sinew replay-control player rate max --json");
   command->callback([options] {
-    std::string line;
-    for (const std::string& word : options->request) line += (line.empty() ? "" : " ") + word;
+    const std::string line = types::Joined(options->request, " ");
     try {
       (void)logger::ParsePlayRequest(line);
     } catch (const std::invalid_argument& error) {

@@ -1,4 +1,4 @@
-// Keys and the line of `sinew replay` on a terminal. Pure text: terminal_keys.h reads the keys.
+// Keys and the line of `sinew replay` on a terminal. Pure text: replay.cc reads the keys.
 //
 //   space pause or resume, s one tick, left and right 5 s, down and up 60 s, + and - rate, q quit
 #pragma once

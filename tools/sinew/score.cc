@@ -11,7 +11,7 @@
 #include "components/base/types/seconds.h"
 #include "components/record/recording/file/run_reader.h"
 #include "components/topics/node/time_option.h"
-#include "tools/sinew/core_commands.h"
+#include "tools/sinew/commands.h"
 #include "tools/tracking/tracking.h"
 
 namespace sinew::tools {

@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 
+#include "components/base/types/joined.h"
 #include "components/model/actuator/file/model_file.h"
 #include "components/model/identify/file/processing_file.h"
 #include "components/model/report/file/section_file.h"
@@ -15,7 +16,7 @@
 #include "components/robot/pneumatics/file/pneumatics_file.h"
 #include "components/robot/reference/file/reference_file.h"
 #include "sim/surrogate/file/surrogate_file.h"
-#include "tools/sinew/core_commands.h"
+#include "tools/sinew/commands.h"
 #include "tools/sinew/print_section.h"
 #include "tools/sinew/progress.h"
 #include "tools/sinew/shipped.h"
@@ -135,10 +136,7 @@ void RunVerify(const VerifyOptions& options) {
   for (const actuator::Term& term : models.after.robot.joints.at(0).terms) {
     if (!term.declared) names.added.push_back(term.effect->info().name);
   }
-  for (const std::string& effect : options.effects) {
-    names.effects += (names.effects.empty() ? "" : ", ") + effect;
-  }
-  if (names.effects.empty()) names.effects = "none";
+  names.effects = options.effects.empty() ? "none" : types::Joined(options.effects);
   std::optional<free_run::FreeRunResult> following;
   if (!options.recordings.empty()) following = Follow(options, models);
   std::vector<verify::TrackingRun> tracking;

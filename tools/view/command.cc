@@ -1,5 +1,3 @@
-#include "tools/view/command.h"
-
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>

@@ -5,29 +5,37 @@
 #include <sys/random.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <csignal>
+#include <filesystem>
 #include <memory>
 #include <mutex>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <span>
 #include <stdexcept>
+#include <string>
 #include <thread>
 #include <utility>
 #include <vector>
 
+#include "components/base/config/config.h"
 #include "components/base/types/clock/clock.h"
+#include "components/base/types/clock/utc.h"
 #include "components/base/types/json_text.h"
 #include "components/record/recording/cdr.h"
 #include "components/record/recording/idl_schema.h"
 #include "components/topics/node/host_name.h"
 #include "components/topics/node/node.h"
+#include "components/topics/node/options.h"
 #include "components/topics/node/realtime.h"
 #include "components/topics/node/version.h"
+#include "tools/launch/find_program.h"
+#include "tools/launch/program.h"
 #include "tools/view/operator_desk.h"
 #include "tools/view/participants.h"
-#include "tools/view/recorder_process.h"
 #include "tools/view/routes.h"
 #include "tools/view/server.h"
 #include "tools/view/shown_log.h"
@@ -36,6 +44,111 @@
 namespace sinew::live {
 
 namespace {
+
+namespace fs = std::filesystem;
+
+// For what waits in its queue, 16 MiB, to reach a disk of 5 MB/s, rounded up.
+constexpr std::chrono::seconds kEndLimit(4);
+
+// The name of a recording that begins at a time ("2024-05-17T09:30:00Z"), without colons.
+std::string RecordingName(const std::string& utc) {
+  std::string name = "view_" + utc + ".mcap";
+  std::replace(name.begin(), name.end(), ':', '-');
+  return name;
+}
+
+// The last line of a text that is not empty.
+std::string LastLine(const std::string& text) {
+  const std::size_t end = text.find_last_not_of('\n');
+  if (end == std::string::npos) return {};
+  const std::size_t begin = text.rfind('\n', end);
+  return text.substr(begin == std::string::npos ? 0 : begin + 1,
+                     end - (begin == std::string::npos ? 0 : begin + 1) + 1);
+}
+
+// A sinew-logger that the page starts and stops. One thread, the one that starts it: the logger
+// ends with that thread.
+class RecorderProcess {
+ public:
+  // Recordings are FOLDER/view_TIME.mcap. Throws UsageError: no such folder.
+  RecorderProcess(const node::Options& options, std::filesystem::path folder)
+      : options_(options), folder_(std::move(folder)) {
+    std::error_code error;
+    if (!fs::is_directory(folder_, error)) {
+      throw UsageError("--record-folder " + folder_.string() + ": expected a folder that is there");
+    }
+  }
+  // A recording that runs is ended in order.
+  ~RecorderProcess() {
+    if (!program_) return;
+    Stop();
+    (void)program_->Wait(kEndLimit);
+  }
+  RecorderProcess(const RecorderProcess&) = delete;
+  RecorderProcess& operator=(const RecorderProcess&) = delete;
+
+  // Empty, or why not.
+  std::string Start() {
+    if (program_) return "a recording runs already";
+    const fs::path program =
+        launch::FindProgram("sinew-logger", fs::current_path(), launch::ProgramFolder());
+    if (program.empty()) return launch::NoProgram("sinew-logger", launch::ProgramFolder());
+    file_ = folder_ / RecordingName(types::UtcNow());
+    std::vector<std::string> line = {program.string(),
+                                     "--name",
+                                     options_.name + "-logger",
+                                     "--domain",
+                                     std::to_string(options_.domain_id),
+                                     "--out",
+                                     file_.string(),
+                                     "--keep-going",
+                                     "--note",
+                                     "started_by=" + options_.name};
+    for (const std::string& name : options_.interfaces) {
+      line.insert(line.end(), {"--interface", name});
+    }
+    if (!options_.qos_path.empty()) line.insert(line.end(), {"--qos", options_.qos_path.string()});
+    if (options_.mode == node::TimeMode::kLockstep) line.push_back("--lockstep");
+    problem_.clear();
+    stopping_ = false;
+    try {
+      program_ = std::make_unique<launch::Program>(line);
+    } catch (const std::runtime_error& error) {
+      problem_ = error.what();
+    }
+    return problem_;
+  }
+  // It writes what waits, and ends.
+  void Stop() {
+    if (!program_ || std::exchange(stopping_, true)) return;
+    program_->Signal(SIGINT);
+  }
+  // Notices its end; waits for nothing.
+  void Step() {
+    if (!program_) return;
+    const int status = program_->Wait(std::chrono::milliseconds(0));
+    if (status == launch::Program::kTimeout) return;
+    if (status != 0) {
+      problem_ = LastLine(program_->error());
+      if (problem_.empty()) problem_ = "the logger ended with " + std::to_string(status);
+    }
+    program_.reset();
+    stopping_ = false;
+  }
+
+  bool running() const { return program_ != nullptr; }
+  bool stopping() const { return stopping_; }
+  const std::filesystem::path& file() const { return file_; }  // the last one; empty: none yet
+  const std::string& problem() const { return problem_; }      // of the last one; empty: none
+
+ private:
+  const node::Options options_;
+  const std::filesystem::path folder_;
+  std::filesystem::path file_;
+  std::unique_ptr<launch::Program> program_;
+  bool stopping_ = false;
+  std::string problem_;
+};
 
 using Json = nlohmann::ordered_json;
 using std::chrono::milliseconds;

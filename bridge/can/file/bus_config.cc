@@ -13,6 +13,7 @@
 #include "bridge/can/transport/replay_can.h"
 #include "bridge/can/transport/socketcan.h"
 #include "bridge/can/transport/virtual_can.h"
+#include "components/base/config/descriptor.h"
 #include "components/base/types/angle.h"
 
 namespace sinew::can {
@@ -20,14 +21,13 @@ namespace {
 
 // Driver of a network interface; empty: the kernel does not say.
 std::string DriverOf(const std::string& interface) {
-  const int socket = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  const config::Descriptor socket(::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0));
   ethtool_drvinfo info{};
   info.cmd = ETHTOOL_GDRVINFO;
   ifreq request{};
   interface.copy(request.ifr_name, sizeof request.ifr_name - 1);
   request.ifr_data = reinterpret_cast<char*>(&info);
-  const bool known = socket >= 0 && ::ioctl(socket, SIOCETHTOOL, &request) == 0;
-  if (socket >= 0) ::close(socket);
+  const bool known = socket.get() >= 0 && ::ioctl(socket.get(), SIOCETHTOOL, &request) == 0;
   info.driver[sizeof info.driver - 1] = '\0';
   return known ? info.driver : "";
 }

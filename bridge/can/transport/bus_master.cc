@@ -2,12 +2,10 @@
 
 #include <sys/socket.h>
 #include <sys/un.h>
-#include <unistd.h>
 
 #include <cerrno>
 #include <cstddef>
 #include <cstring>
-#include <utility>
 
 #include "components/base/config/config.h"
 #include "components/base/config/unix_socket.h"
@@ -34,10 +32,9 @@ MasterName NameOf(const std::string& bus) {
 }
 
 std::string Holder(const MasterName& address) {
-  const int probe = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
-  const bool known = probe >= 0 && ::connect(probe, address.get(), address.size) == 0;
-  const ucred peer = config::PeerOf(probe);
-  if (probe >= 0) ::close(probe);
+  const config::Descriptor probe(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
+  const bool known = probe.get() >= 0 && ::connect(probe.get(), address.get(), address.size) == 0;
+  const ucred peer = config::PeerOf(probe.get());
   return known ? "process " + std::to_string(peer.pid) + " of user " + std::to_string(peer.uid)
                : "another process";
 }
@@ -46,25 +43,19 @@ std::string Holder(const MasterName& address) {
 
 BusMaster::BusMaster(const std::string& bus) {
   const MasterName address = NameOf(bus);
-  socket_ = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  socket_ = config::Descriptor(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0));
   // It listens, so that a second bridge learns whose it is; nobody is accepted.
-  if (socket_ >= 0 && ::bind(socket_, address.get(), address.size) == 0 &&
-      ::listen(socket_, 1) == 0) {
+  if (socket_.get() >= 0 && ::bind(socket_.get(), address.get(), address.size) == 0 &&
+      ::listen(socket_.get(), 1) == 0) {
     return;
   }
   const int error = errno;
-  if (socket_ >= 0) ::close(socket_);
+  socket_.Close();
   if (error == EADDRINUSE) {
     throw UsageError("bus '" + bus + "': " + Holder(address) +
                      " commands it already; end that one first");
   }
   throw UsageError("bus '" + bus + "': the right to command it: " + std::strerror(error));
-}
-
-BusMaster::BusMaster(BusMaster&& other) noexcept : socket_(std::exchange(other.socket_, -1)) {}
-
-BusMaster::~BusMaster() {
-  if (socket_ >= 0) ::close(socket_);
 }
 
 }  // namespace sinew::can

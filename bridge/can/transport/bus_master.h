@@ -8,6 +8,8 @@
 
 #include <string>
 
+#include "components/base/config/descriptor.h"
+
 namespace sinew::can {
 
 class BusMaster {
@@ -15,12 +17,9 @@ class BusMaster {
   // bus: an interface, or a virtual bus (its socket's path). Throws UsageError naming the process
   // that has it.
   explicit BusMaster(const std::string& bus);
-  ~BusMaster();
-  BusMaster(BusMaster&& other) noexcept;
-  BusMaster& operator=(BusMaster&&) = delete;
 
  private:
-  int socket_ = -1;
+  config::Descriptor socket_;
 };
 
 }  // namespace sinew::can

@@ -3,19 +3,20 @@
 #include <poll.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
-#include <sys/un.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
+#include <stdexcept>
 #include <vector>
 
 #include "bridge/can/transport/bus_protocol.h"
 #include "bridge/can/transport/transport.h"
 #include "bridge/can/transport/virtual_can.h"
 #include "components/base/config/config.h"
+#include "components/base/config/unix_socket.h"
 #include "components/base/types/clock/clock.h"
 
 namespace sinew::can {
@@ -25,22 +26,14 @@ constexpr int kClientBuffer_bytes = 512 * 1024;
 constexpr std::size_t kMostClients = 64;
 
 sockaddr_un AddressOf(const std::string& path) {
-  sockaddr_un address{};
-  if (path.size() >= sizeof address.sun_path) {
-    throw UsageError("bus socket '" + path + "': the path is longer than " +
-                     std::to_string(sizeof address.sun_path - 1) + " characters");
-  }
-  address.sun_family = AF_UNIX;
-  std::memcpy(address.sun_path, path.c_str(), path.size() + 1);
-  return address;
+  if (const auto address = config::SocketAddress(path)) return *address;
+  throw UsageError("bus socket '" + path + "': the path is longer than " +
+                   std::to_string(sizeof sockaddr_un::sun_path - 1) + " characters");
 }
 
 bool SomebodyListens(const sockaddr_un& address) {
-  const int probe = ::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0);
-  const bool listens =
-      ::connect(probe, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0;
-  ::close(probe);
-  return listens;
+  const config::Descriptor probe(::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0));
+  return ::connect(probe.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0;
 }
 
 }  // namespace
@@ -57,17 +50,18 @@ std::string BusSocketPath(const std::string& bus) {
 BusServer::BusServer(const std::string& bus, const BusConfig& config)
     : path_(BusSocketPath(bus)), model_(config) {
   const sockaddr_un address = AddressOf(path_);
-  listener_ = ::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
-  if (listener_ < 0)
+  listener_ =
+      config::Descriptor(::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
+  const int listener = listener_.get();
+  if (listener < 0)
     throw std::runtime_error(std::string("no Unix socket: ") + std::strerror(errno));
   const auto bind = [&] {
-    return ::bind(listener_, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0;
+    return ::bind(listener, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0;
   };
   bool bound = bind();
   if (!bound && errno == EADDRINUSE) {
     struct stat info {};
     if (SomebodyListens(address)) {
-      ::close(listener_);
       throw UsageError("bus socket '" + path_ + "': a bus of this name already runs");
     }
     if (::lstat(path_.c_str(), &info) == 0 && S_ISSOCK(info.st_mode) &&
@@ -77,16 +71,14 @@ BusServer::BusServer(const std::string& bus, const BusConfig& config)
       errno = EADDRINUSE;
     }
   }
-  if (!bound || ::listen(listener_, 16) != 0) {
-    const std::string reason = std::strerror(errno);
-    ::close(listener_);
-    throw UsageError("bus socket '" + path_ + "': " + reason);
+  if (!bound || ::listen(listener, 16) != 0) {
+    throw UsageError("bus socket '" + path_ + "': " + std::strerror(errno));
   }
 }
 
 BusServer::~BusServer() {
   for (const auto& [socket, client] : clients_) ::close(socket);
-  ::close(listener_);
+  listener_.Close();
   ::unlink(path_.c_str());
 }
 
@@ -96,7 +88,7 @@ void BusServer::RunOnce(std::chrono::nanoseconds timeout) {
     wait_ns = std::clamp<std::int64_t>(*next - types::MonotonicNow_ns(), 0, wait_ns);
   }
   std::vector<pollfd> sockets;
-  sockets.push_back({listener_, POLLIN, 0});
+  sockets.push_back({listener_.get(), POLLIN, 0});
   for (const auto& [socket, client] : clients_) sockets.push_back({socket, POLLIN, 0});
   const timespec wait{static_cast<time_t>(wait_ns / 1'000'000'000),
                       static_cast<long>(wait_ns % 1'000'000'000)};
@@ -112,7 +104,7 @@ void BusServer::RunOnce(std::chrono::nanoseconds timeout) {
 }
 
 void BusServer::Accept() {
-  const int socket = ::accept4(listener_, nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC);
+  const int socket = ::accept4(listener_.get(), nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC);
   if (socket < 0) return;
   if (clients_.size() >= kMostClients) {
     ::close(socket);

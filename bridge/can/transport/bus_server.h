@@ -12,6 +12,7 @@
 #include <string>
 
 #include "bridge/can/bus_model.h"
+#include "components/base/config/descriptor.h"
 
 namespace sinew::can {
 
@@ -48,7 +49,7 @@ class BusServer {
   void SendTo(int socket, const void* data, std::size_t size);
 
   std::string path_;
-  int listener_ = -1;
+  config::Descriptor listener_;
   BusModel model_;
   std::map<int, Client> clients_;  // by socket
   std::function<void(const Delivery&)> on_frame_;

@@ -8,7 +8,6 @@
 #include <net/if_arp.h>
 #include <sys/ioctl.h>
 #include <sys/socket.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -22,7 +21,7 @@
 namespace sinew::can {
 namespace {
 
-constexpr std::int64_t kReopenEvery_ns = 100'000'000;
+constexpr std::chrono::milliseconds kReopenEvery(100);
 // Lost arbitration is daily life; everything else is worth knowing.
 constexpr can_err_mask_t kErrors = CAN_ERR_MASK & ~static_cast<unsigned>(CAN_ERR_LOSTARB);
 
@@ -121,12 +120,11 @@ class Messages {
 
 }  // namespace
 
-SocketCan::SocketCan(const SocketCanOptions& options) : options_(options) {
+SocketCan::SocketCan(const SocketCanOptions& options)
+    : SocketTransport(kReopenEvery), options_(options) {
   const std::string problem = Open();
   if (!problem.empty()) throw UsageError(problem);
 }
-
-SocketCan::~SocketCan() { Close(); }
 
 std::string SocketCan::Open() noexcept {
   const std::string& interface = options_.interface;
@@ -202,19 +200,6 @@ std::string SocketCan::Open() noexcept {
   return {};
 }
 
-void SocketCan::Close() noexcept {
-  if (socket_ >= 0) ::close(socket_);
-  socket_ = -1;
-  link_ = Link::kDown;
-}
-
-void SocketCan::TryReopen() noexcept {
-  const std::int64_t now = types::MonotonicNow_ns();
-  if (now < next_reopen_ns_) return;
-  next_reopen_ns_ = now + kReopenEvery_ns;
-  (void)Open();
-}
-
 void SocketCan::OnErrno(int error) noexcept {
   switch (error) {
     case ENETDOWN:
@@ -232,8 +217,7 @@ void SocketCan::OnErrno(int error) noexcept {
 
 SendStatus SocketCan::OnSent(const Frame& frame) noexcept {
   if (link_ == Link::kDown) link_ = Link::kUp;
-  ++counters_.sent;
-  counters_.wire_bits += static_cast<std::uint64_t>(FrameBits(frame));
+  CountSent(frame);
   return SendStatus::kOk;
 }
 
@@ -244,7 +228,7 @@ SendStatus SocketCan::OnNotSent(int error) noexcept {
 }
 
 SendStatus SocketCan::Send(const Frame& frame) noexcept {
-  if (socket_ < 0) TryReopen();
+  TryReopen();
   if (socket_ < 0) {
     ++counters_.dropped;
     return SendStatus::kDown;
@@ -264,7 +248,7 @@ std::size_t SocketCan::SendAll(std::span<const Frame> frames) noexcept {
   Messages<kFramesAtOnce> out;
   const std::size_t all = frames.size();
   while (!frames.empty()) {
-    if (socket_ < 0) TryReopen();
+    TryReopen();
     std::size_t count = 0;
     while (socket_ >= 0 && count < std::min(frames.size(), kFramesAtOnce) &&
            (fd_ || !frames[count].fd)) {
@@ -292,22 +276,8 @@ std::size_t SocketCan::SendAll(std::span<const Frame> frames) noexcept {
   return all - frames.size();
 }
 
-bool SocketCan::Receive(std::chrono::nanoseconds timeout, Received* received) noexcept {
-  const std::int64_t give_up_ns =
-      types::MonotonicNow_ns() + std::max<std::int64_t>(timeout.count(), 0);
-  for (;;) {
-    if (TakeWaiting({received, 1}) > 0) return true;
-    const std::int64_t left_ns = give_up_ns - types::MonotonicNow_ns();
-    if (left_ns <= 0) return false;
-    // Without a socket: look for the interface again now and then.
-    const std::int64_t wait_ns = socket_ < 0 ? std::min(left_ns, kReopenEvery_ns) : left_ns;
-    Transport* const self = this;
-    WaitForAny({&self, 1}, std::chrono::nanoseconds(wait_ns));
-  }
-}
-
 std::size_t SocketCan::TakeWaiting(std::span<Received> received) noexcept {
-  if (socket_ < 0) TryReopen();
+  TryReopen();
   Messages<kFramesAtOnce> in;
   std::size_t taken = 0;
   while (socket_ >= 0 && taken < received.size()) {

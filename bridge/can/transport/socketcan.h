@@ -10,7 +10,6 @@
 #pragma once
 
 #include "bridge/can/transport/transport.h"
-#include "components/base/types/clock/clock.h"
 
 namespace sinew::can {
 
@@ -21,41 +20,28 @@ struct SocketCanOptions {
       0;  // 0: the system's. Small ones bound how many frames can wait in the kernel
 };
 
-class SocketCan : public Transport {
+class SocketCan : public SocketTransport {
  public:
   // Throws UsageError in one line when the kernel has no CAN, the interface is absent, no CAN
   // interface, or down.
   explicit SocketCan(const SocketCanOptions& options);
-  ~SocketCan() override;
-  SocketCan(const SocketCan&) = delete;
-  SocketCan& operator=(const SocketCan&) = delete;
 
   SendStatus Send(const Frame& frame) noexcept override;
-  std::size_t SendAll(std::span<const Frame> frames) noexcept override;  // sendmmsg
-  bool Receive(std::chrono::nanoseconds timeout, Received* received) noexcept override;
+  std::size_t SendAll(std::span<const Frame> frames) noexcept override;     // sendmmsg
   std::size_t TakeWaiting(std::span<Received> received) noexcept override;  // recvmmsg
-  Link link() const noexcept override { return link_; }
-  TransportCounters counters() const noexcept override { return counters_; }
-  std::int64_t now_ns() const noexcept override { return types::MonotonicNow_ns(); }
-  int descriptor() const noexcept override { return socket_; }
   const std::string& name() const noexcept override { return options_.interface; }
 
  private:
   // Empty: opened. Else what is wrong and what helps.
   std::string Open() noexcept;
-  void Close() noexcept;
+  void Reopen() noexcept override { (void)Open(); }
   void OnErrno(int error) noexcept;
   SendStatus OnSent(const Frame& frame) noexcept;
   SendStatus OnNotSent(int error) noexcept;
   void OnErrorFrame(const Frame& frame) noexcept;
-  void TryReopen() noexcept;
 
   SocketCanOptions options_;
-  int socket_ = -1;
   bool fd_ = false;  // the interface carries FD frames
-  Link link_ = Link::kDown;
-  TransportCounters counters_;
-  std::int64_t next_reopen_ns_ = 0;
 };
 
 }  // namespace sinew::can

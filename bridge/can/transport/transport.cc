@@ -1,10 +1,13 @@
 #include "bridge/can/transport/transport.h"
 
 #include <poll.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
 #include <ctime>
+
+#include "bridge/can/bit_timing.h"
 
 namespace sinew::can {
 
@@ -54,6 +57,40 @@ std::size_t Transport::TakeWaiting(std::span<Received> received) noexcept {
   std::size_t count = 0;
   while (count < received.size() && Receive(std::chrono::nanoseconds(0), &received[count])) ++count;
   return count;
+}
+
+void SocketTransport::TryReopen() noexcept {
+  const std::int64_t now = now_ns();
+  if (socket_ >= 0 || now < next_try_ns_) return;
+  next_try_ns_ = now + open_every_.count();
+  Reopen();
+}
+
+void SocketTransport::Close() noexcept {
+  if (socket_ >= 0) ::close(socket_);
+  socket_ = -1;
+  link_ = Link::kDown;
+}
+
+void SocketTransport::CountSent(const Frame& frame) noexcept {
+  ++counters_.sent;
+  counters_.wire_bits += static_cast<std::uint64_t>(FrameBits(frame));
+}
+
+void SocketTransport::WaitForData(std::int64_t limit_ns) noexcept {
+  Transport* const self = this;
+  WaitForAny({&self, 1}, std::chrono::nanoseconds(limit_ns));
+}
+
+bool SocketTransport::Receive(std::chrono::nanoseconds timeout, Received* received) noexcept {
+  const std::int64_t give_up_ns = now_ns() + std::max<std::int64_t>(timeout.count(), 0);
+  for (;;) {
+    if (TakeWaiting({received, 1}) > 0) return true;
+    const std::int64_t left_ns = give_up_ns - now_ns();
+    if (left_ns <= 0) return false;
+    // Without a socket: looks for the bus again now and then.
+    WaitForData(socket_ < 0 ? std::min<std::int64_t>(left_ns, open_every_.count()) : left_ns);
+  }
 }
 
 }  // namespace sinew::can

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "bridge/can/frame.h"
+#include "components/base/types/clock/clock.h"
 
 namespace sinew::can {
 
@@ -71,6 +72,37 @@ class Transport {
   // For poll(); -1 when there is nothing to poll.
   virtual int descriptor() const noexcept { return -1; }
   virtual const std::string& name() const noexcept = 0;
+};
+
+// A place on a bus at the other end of a socket, which is opened again when it was lost.
+class SocketTransport : public Transport {
+ public:
+  SocketTransport(const SocketTransport&) = delete;
+  SocketTransport& operator=(const SocketTransport&) = delete;
+  ~SocketTransport() override { Close(); }
+
+  bool Receive(std::chrono::nanoseconds timeout, Received* received) noexcept override;
+  Link link() const noexcept override { return link_; }
+  TransportCounters counters() const noexcept override { return counters_; }
+  std::int64_t now_ns() const noexcept override { return types::MonotonicNow_ns(); }
+  int descriptor() const noexcept override { return socket_; }
+
+ protected:
+  explicit SocketTransport(std::chrono::nanoseconds open_every) : open_every_(open_every) {}
+
+  virtual void Reopen() noexcept = 0;  // sets socket_ and link_, or leaves them
+  void TryReopen() noexcept;           // without a socket, and not more often than open_every
+  void Close() noexcept;
+  void CountSent(const Frame& frame) noexcept;
+  void WaitForData(std::int64_t limit_ns) noexcept;
+
+  const std::chrono::nanoseconds open_every_;
+  int socket_ = -1;
+  Link link_ = Link::kDown;
+  TransportCounters counters_;
+
+ private:
+  std::int64_t next_try_ns_ = 0;
 };
 
 // Waits until one of the transports has something to read, or the time is over. Transports without

@@ -2,28 +2,26 @@
 
 #include <poll.h>
 #include <sys/socket.h>
-#include <sys/un.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <array>
 #include <cerrno>
-#include <cstring>
 
 #include "bridge/can/bit_timing.h"
 #include "bridge/can/bus_model.h"
 #include "bridge/can/transport/bus_protocol.h"
 #include "components/base/config/config.h"
+#include "components/base/config/unix_socket.h"
 
 namespace sinew::can {
 namespace {
 
-constexpr std::int64_t kTryEvery_ns = 50'000'000;
+constexpr std::chrono::milliseconds kTryEvery(50);
 
 }  // namespace
 
 VirtualCan::VirtualCan(const VirtualCanOptions& options)
-    : options_(options), path_(BusSocketPath(options.bus)) {
+    : SocketTransport(kTryEvery), options_(options), path_(BusSocketPath(options.bus)) {
   const std::int64_t give_up_ns =
       types::MonotonicNow_ns() + std::chrono::nanoseconds(options.connect_timeout).count();
   while (!Connect() || !AwaitWelcome(give_up_ns)) {
@@ -31,21 +29,17 @@ VirtualCan::VirtualCan(const VirtualCanOptions& options)
       throw UsageError("bus '" + options.bus + "': nobody listens on " + path_ +
                        "; 'sinew-can-bus --bus " + options.bus + "' starts it");
     }
-    const timespec wait{0, kTryEvery_ns};
+    const timespec wait{0, open_every_.count()};
     ::ppoll(nullptr, 0, &wait, nullptr);
   }
 }
 
-VirtualCan::~VirtualCan() { Close(); }
-
 bool VirtualCan::Connect() noexcept {
-  sockaddr_un address{};
-  if (path_.size() >= sizeof address.sun_path) return false;
-  address.sun_family = AF_UNIX;
-  std::memcpy(address.sun_path, path_.c_str(), path_.size() + 1);
+  const auto address = config::SocketAddress(path_);
+  if (!address) return false;
   socket_ = ::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
   if (socket_ < 0) return false;
-  if (::connect(socket_, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0) {
+  if (::connect(socket_, reinterpret_cast<const sockaddr*>(&*address), sizeof *address) != 0) {
     Close();
     return false;
   }
@@ -69,27 +63,13 @@ bool VirtualCan::AwaitWelcome(std::int64_t give_up_ns) noexcept {
       Close();
       return false;
     }
-    Transport* const self = this;
-    WaitForAny({&self, 1}, std::chrono::nanoseconds(left_ns));
+    WaitForData(left_ns);
   }
-}
-
-void VirtualCan::Close() noexcept {
-  if (socket_ >= 0) ::close(socket_);
-  socket_ = -1;
-  link_ = Link::kDown;
-}
-
-void VirtualCan::TryConnect() noexcept {
-  const std::int64_t now = types::MonotonicNow_ns();
-  if (now < next_try_ns_) return;
-  next_try_ns_ = now + kTryEvery_ns;
-  (void)Connect();
 }
 
 // Whether a frame can be tried; else it is counted as dropped.
 bool VirtualCan::Usable(const Frame& frame, SendStatus* why) noexcept {
-  if (socket_ < 0) TryConnect();
+  TryReopen();
   if (socket_ < 0 || link_ == Link::kBusOff) {
     *why = SendStatus::kDown;
   } else if (frame.fd) {  // a classic bus
@@ -115,8 +95,7 @@ SendStatus VirtualCan::Send(const Frame& frame) noexcept {
   if (::send(socket_, &packet, sizeof packet, MSG_DONTWAIT | MSG_NOSIGNAL) != sizeof packet) {
     return OnNotSent(errno);
   }
-  ++counters_.sent;
-  counters_.wire_bits += static_cast<std::uint64_t>(FrameBits(frame));
+  CountSent(frame);
   return SendStatus::kOk;
 }
 
@@ -143,30 +122,14 @@ std::size_t VirtualCan::SendAll(std::span<const Frame> frames) noexcept {
       (void)OnNotSent(errno);
       break;
     }
-    for (const Frame& frame : frames.first(static_cast<std::size_t>(sent))) {
-      ++counters_.sent;
-      counters_.wire_bits += static_cast<std::uint64_t>(FrameBits(frame));
-    }
+    for (const Frame& frame : frames.first(static_cast<std::size_t>(sent))) CountSent(frame);
     frames = frames.subspan(static_cast<std::size_t>(sent));
   }
   return all - frames.size();
 }
 
-bool VirtualCan::Receive(std::chrono::nanoseconds timeout, Received* received) noexcept {
-  const std::int64_t give_up_ns =
-      types::MonotonicNow_ns() + std::max<std::int64_t>(timeout.count(), 0);
-  for (;;) {
-    if (TakeWaiting({received, 1}) > 0) return true;
-    const std::int64_t left_ns = give_up_ns - types::MonotonicNow_ns();
-    if (left_ns <= 0) return false;
-    const std::int64_t wait_ns = socket_ < 0 ? std::min(left_ns, kTryEvery_ns) : left_ns;
-    Transport* const self = this;
-    WaitForAny({&self, 1}, std::chrono::nanoseconds(wait_ns));
-  }
-}
-
 std::size_t VirtualCan::TakeWaiting(std::span<Received> received) noexcept {
-  if (socket_ < 0) TryConnect();
+  TryReopen();
   std::array<Packet, kFramesAtOnce> packets;
   std::array<iovec, kFramesAtOnce> data;
   std::array<mmsghdr, kFramesAtOnce> headers;

@@ -7,7 +7,6 @@
 #include <string>
 
 #include "bridge/can/transport/transport.h"
-#include "components/base/types/clock/clock.h"
 
 namespace sinew::can {
 
@@ -23,22 +22,14 @@ struct VirtualCanOptions {
   std::chrono::milliseconds connect_timeout{5000};
 };
 
-class VirtualCan : public Transport {
+class VirtualCan : public SocketTransport {
  public:
   // Throws UsageError when no bus of this name appears within the time.
   explicit VirtualCan(const VirtualCanOptions& options);
-  ~VirtualCan() override;
-  VirtualCan(const VirtualCan&) = delete;
-  VirtualCan& operator=(const VirtualCan&) = delete;
 
   SendStatus Send(const Frame& frame) noexcept override;
-  std::size_t SendAll(std::span<const Frame> frames) noexcept override;  // sendmmsg
-  bool Receive(std::chrono::nanoseconds timeout, Received* received) noexcept override;
+  std::size_t SendAll(std::span<const Frame> frames) noexcept override;     // sendmmsg
   std::size_t TakeWaiting(std::span<Received> received) noexcept override;  // recvmmsg
-  Link link() const noexcept override { return link_; }
-  TransportCounters counters() const noexcept override { return counters_; }
-  std::int64_t now_ns() const noexcept override { return types::MonotonicNow_ns(); }
-  int descriptor() const noexcept override { return socket_; }
   const std::string& name() const noexcept override { return options_.bus; }
 
   double bitrate_bit_s() const { return bitrate_bit_s_; }  // as the bus says
@@ -46,18 +37,13 @@ class VirtualCan : public Transport {
  private:
   bool Connect() noexcept;
   bool AwaitWelcome(std::int64_t give_up_ns) noexcept;
-  void Close() noexcept;
-  void TryConnect() noexcept;
+  void Reopen() noexcept override { (void)Connect(); }
   bool Usable(const Frame& frame, SendStatus* why) noexcept;
   SendStatus OnNotSent(int error) noexcept;
   bool Take(const Packet& packet, Received* received) noexcept;  // false: no frame for us
 
   VirtualCanOptions options_;
   std::string path_;
-  int socket_ = -1;
-  Link link_ = Link::kDown;
-  TransportCounters counters_;
-  std::int64_t next_try_ns_ = 0;
   double bitrate_bit_s_ = 0.0;
 };
 

@@ -1,16 +1,20 @@
 // Words in one text.
 #pragma once
 
+#include <functional>
 #include <string>
-#include <vector>
+#include <string_view>
 
 namespace sinew::types {
 
-// Empty when there are no words.
-inline std::string Joined(const std::vector<std::string>& words,
-                          const std::string& separator = ", ") {
+// of: the word of an item. Empty when there are no words.
+template <class Items, class Of = std::identity>
+std::string Joined(const Items& items, std::string_view separator = ", ", Of of = {}) {
   std::string text;
-  for (const std::string& word : words) text += (text.empty() ? "" : separator) + word;
+  for (const auto& item : items) {
+    if (!text.empty()) text += separator;
+    text += std::invoke(of, item);
+  }
   return text;
 }
 

@@ -5,8 +5,30 @@
 
 #include <sinew_idl/operator.h>
 
+#include "components/base/types/robot_state.h"
+
 namespace sinew::types {
 
 using msg::OperatorAction;
+
+// The robot's state says that it was done: arm, disarm, estop, reset.
+inline bool HasReached(RobotState state, OperatorAction action) noexcept {
+  switch (action) {
+    case OperatorAction::kArm:
+      return MayMove(state);
+    case OperatorAction::kDisarm:  // in fault or estopped the motors are off already
+      return state == RobotState::kDisarmed || state == RobotState::kFault ||
+             state == RobotState::kEstopped;
+    case OperatorAction::kEstop:
+      return state == RobotState::kEstopped;
+    default:
+      return state == RobotState::kDisarmed;
+  }
+}
+
+// It is meant for the session that runs, and bound to it.
+inline bool IsBoundToSession(OperatorAction action) noexcept {
+  return action == OperatorAction::kArm || action == OperatorAction::kReset;
+}
 
 }  // namespace sinew::types

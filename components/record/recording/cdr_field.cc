@@ -2,6 +2,7 @@
 #include <charconv>
 #include <cstring>
 
+#include "components/base/types/joined.h"
 #include "components/record/recording/cdr.h"
 #include "components/record/recording/cdr_walker.h"
 
@@ -112,10 +113,8 @@ CdrField::CdrField(const IdlType& type, std::string_view path) : leaf_(&type) {
         std::find_if(leaf_->members.begin(), leaf_->members.end(),
                      [&](const IdlMember& candidate) { return candidate.name == name; });
     if (member == leaf_->members.end()) {
-      std::string list;
-      for (const IdlMember& known : leaf_->members) list += (list.empty() ? "" : ", ") + known.name;
       throw CdrError("no field '" + std::string(name) + "' in " + leaf_->name +
-                     ", expected one of: " + list);
+                     ", expected one of: " + types::Joined(leaf_->members, ", ", &IdlMember::name));
     }
     steps_.push_back({leaf_, static_cast<std::uint32_t>(member - leaf_->members.begin())});
     leaf_ = member->type;

@@ -13,6 +13,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "components/base/types/joined.h"
 #include "components/record/recording/csv_time.h"
 
 namespace sinew::recording {
@@ -122,12 +123,6 @@ void Split(std::string_view line, char delimiter, std::vector<std::string>* unqu
     line.remove_prefix(end + 1);
     if (delimiter == ' ') line = Trim(line);
   }
-}
-
-std::string List(const std::vector<std::string>& words) {
-  std::string list;
-  for (const std::string& word : words) list += (list.empty() ? "" : ", ") + word;
-  return list;
 }
 
 // The names in a line, which may be a comment; none: it has no cells.
@@ -321,7 +316,7 @@ CsvTable ReadCsv(std::string_view text, const std::string& name,
     const auto count = std::count(header.begin(), header.end(), column);
     if (count == 0) {
       throw std::invalid_argument(At(name, begin.line) + "no column '" + column +
-                                  "', the file has: " + List(header));
+                                  "', the file has: " + types::Joined(header));
     }
     if (count > 1) {
       throw std::invalid_argument(At(name, begin.line) + "column '" + column + "' is there " +

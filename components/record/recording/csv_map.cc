@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "components/base/types/fnv1a.h"
+#include "components/base/types/joined.h"
 #include "components/base/types/seconds.h"
 #include "components/record/recording/signal_fields.h"
 
@@ -58,10 +59,8 @@ std::vector<std::size_t> FindColumns(const ColumnMap& map, const std::string& jo
   std::vector<std::size_t> at;
   for (const std::string& column : ColumnsOf(map, joint)) {
     if (std::find(header.begin(), header.end(), column) == header.end()) {
-      std::string list;
-      for (const std::string& candidate : header) list += (list.empty() ? "" : ", ") + candidate;
       throw std::invalid_argument(map.where + ": no column '" + column + "' in " + file +
-                                  ", expected one of: " + list);
+                                  ", expected one of: " + types::Joined(header));
     }
     const auto known = std::find(names->begin(), names->end(), column);
     at.push_back(static_cast<std::size_t>(known - names->begin()));

@@ -44,6 +44,7 @@ enum class Opcode : std::uint8_t {
 using TextMap = std::map<std::string, std::string>;
 
 struct McapSchema {
+  static constexpr Opcode kOpcode = Opcode::kSchema;
   SchemaId id{};
   std::string name;      // "sinew::msg::JointState"
   std::string encoding;  // "omgidl"
@@ -51,6 +52,7 @@ struct McapSchema {
 };
 
 struct McapChannel {
+  static constexpr Opcode kOpcode = Opcode::kChannel;
   ChannelId id{};
   SchemaId schema_id{};
   std::string topic;
@@ -59,6 +61,7 @@ struct McapChannel {
 };
 
 struct McapMessage {
+  static constexpr Opcode kOpcode = Opcode::kMessage;
   ChannelId channel_id{};
   std::uint32_t sequence = 0;
   std::int64_t log_time_ns = 0;      // reception
@@ -67,6 +70,7 @@ struct McapMessage {
 };
 
 struct McapChunkIndex {
+  static constexpr Opcode kOpcode = Opcode::kChunkIndex;
   std::int64_t start_time_ns = 0;
   std::int64_t end_time_ns = 0;
   std::uint64_t offset = 0;                                  // of the chunk record in the file
@@ -79,11 +83,13 @@ struct McapChunkIndex {
 };
 
 struct McapMetadata {
+  static constexpr Opcode kOpcode = Opcode::kMetadata;
   std::string name;
   TextMap values;
 };
 
 struct McapAttachment {
+  static constexpr Opcode kOpcode = Opcode::kAttachment;
   std::string name;
   std::string media_type;
   std::int64_t log_time_ns = 0;
@@ -91,6 +97,7 @@ struct McapAttachment {
 };
 
 struct McapStatistics {
+  static constexpr Opcode kOpcode = Opcode::kStatistics;
   std::uint64_t message_count = 0;
   std::uint16_t schema_count = 0;
   std::uint32_t channel_count = 0;

@@ -44,8 +44,7 @@ struct McapMessages::Impl {
 
   void AddMessage(const std::shared_ptr<const Bytes>& bytes, std::span<const std::byte> content,
                   std::uint64_t offset, std::size_t inner) {
-    Cursor cursor(content);
-    const McapMessageHead head = ParseMessageHead(offset, &cursor);
+    const McapMessage head = Parse<McapMessage>(offset, content);
     if (!contents->channels.contains(head.channel_id)) {
       throw McapError(offset, "a message names a channel that the file does not have");
     }
@@ -118,13 +117,9 @@ bool McapMessages::Next(McapMessage* message) {
   if (impl.waiting.empty()) return false;
   impl.current = impl.waiting.top();
   impl.waiting.pop();
-  Cursor cursor(std::span(*impl.current.bytes).subspan(impl.current.start, impl.current.size));
-  const McapMessageHead head = ParseMessageHead(impl.current.file_order, &cursor);
-  message->channel_id = head.channel_id;
-  message->sequence = head.sequence;
-  message->log_time_ns = head.log_time_ns;
-  message->publish_time_ns = head.publish_time_ns;
-  message->data = cursor.Take(cursor.remaining());
+  *message = Parse<McapMessage>(
+      impl.current.file_order,
+      std::span(*impl.current.bytes).subspan(impl.current.start, impl.current.size));
   return true;
 }
 

@@ -30,7 +30,7 @@ McapReader::McapReader(ByteSource& source) : records_(source) {
     throw McapError(kMagicSize,
                     "record " + OpcodeText(header.opcode) + ", expected the header 0x01");
   }
-  header_ = ParseHeader(header.offset, records_.ReadContent(header));
+  header_ = Parse<McapHeader>(header.offset, records_.ReadContent(header));
 
   std::optional<McapContents> summary;
   if (whole) summary = ReadSummary(records_, end);
@@ -48,7 +48,7 @@ std::vector<McapMetadata> McapReader::ReadMetadata() const {
     if (offset > records_.size())
       throw McapError(offset, "the metadata index points outside the file");
     const McapRecord record = records_.ReadHeadOf(Opcode::kMetadata, offset, "metadata");
-    all.push_back(ParseMetadata(offset, records_.ReadContent(record)));
+    all.push_back(Parse<McapMetadata>(offset, records_.ReadContent(record)));
   }
   return all;
 }
@@ -59,7 +59,7 @@ std::vector<McapAttachment> McapReader::ReadAttachments() const {
     if (offset > records_.size())
       throw McapError(offset, "the attachment index points outside the file");
     const McapRecord record = records_.ReadHeadOf(Opcode::kAttachment, offset, "an attachment");
-    all.push_back(ParseAttachment(offset, records_.ReadContent(record)));
+    all.push_back(Parse<McapAttachment>(offset, records_.ReadContent(record)));
   }
   return all;
 }

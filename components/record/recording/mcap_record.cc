@@ -1,25 +1,17 @@
 #include "components/record/recording/mcap_record.h"
 
 #include <algorithm>
+#include <concepts>
 #include <limits>
+#include <map>
+#include <type_traits>
 #include <utility>
 
 #include "components/record/recording/compression.h"
+#include "components/record/recording/mcap_fields.h"
 
 namespace sinew::recording {
 namespace {
-
-TextMap GetTextMap(Cursor* cursor) {
-  TextMap map;
-  Cursor entries(cursor->Take(cursor->Get<std::uint32_t>()));
-  while (entries.remaining() > 0 && entries.ok()) {
-    std::string key = entries.GetText();
-    std::string value = entries.GetText();
-    if (entries.ok()) map.insert_or_assign(std::move(key), std::move(value));
-  }
-  if (!entries.ok()) cursor->Take(~std::uint64_t{0});  // marks the cursor as broken
-  return map;
-}
 
 void CheckFields(const Cursor& cursor, std::uint64_t offset, Opcode opcode) {
   if (!cursor.ok()) {
@@ -27,10 +19,54 @@ void CheckFields(const Cursor& cursor, std::uint64_t offset, Opcode opcode) {
   }
 }
 
-std::int64_t GetTime(Cursor* cursor) {
-  return static_cast<std::int64_t>(std::min<std::uint64_t>(
-      cursor->Get<std::uint64_t>(), std::numeric_limits<std::int64_t>::max()));
-}
+// Fields out of a record's content.
+class FieldReader {
+ public:
+  explicit FieldReader(Cursor* cursor) : cursor_(*cursor) {}
+
+  template <class... Field>
+  void operator()(Field&&... fields) {
+    (Read(fields), ...);
+  }
+
+ private:
+  template <std::unsigned_integral Number>
+  void Read(Number& number) {
+    number = cursor_.Get<Number>();
+  }
+  template <class Id>
+  requires std::is_enum_v<Id>
+  void Read(Id& id) { id = static_cast<Id>(cursor_.Get<std::underlying_type_t<Id>>()); }
+  void Read(std::int64_t& time_ns) {
+    time_ns = static_cast<std::int64_t>(std::min<std::uint64_t>(
+        cursor_.Get<std::uint64_t>(), std::numeric_limits<std::int64_t>::max()));
+  }
+  void Read(UnusedTime) { cursor_.Get<std::uint64_t>(); }
+  void Read(std::string& text) { text = cursor_.GetText(); }
+  void Read(Verbatim<std::string> field) { field.text = cursor_.GetText(); }
+  void Read(LongText<std::string> field) {
+    field.text = Cursor::AsText(cursor_.Take(cursor_.Get<std::uint64_t>()));
+  }
+  void Read(std::span<const std::byte>& data) { data = cursor_.Take(cursor_.remaining()); }
+  void Read(TextMap& map) {
+    Cursor entries(cursor_.Take(cursor_.Get<std::uint32_t>()));
+    while (entries.remaining() > 0 && entries.ok()) {
+      std::string key = entries.GetText();
+      std::string value = entries.GetText();
+      if (entries.ok()) map.insert_or_assign(std::move(key), std::move(value));
+    }
+    if (!entries.ok()) cursor_.Take(~std::uint64_t{0});  // marks the cursor as broken
+  }
+  void Read(std::map<ChannelId, std::uint64_t>& by_channel) {
+    Cursor entries(cursor_.Take(cursor_.Get<std::uint32_t>()));
+    while (entries.remaining() >= 10) {
+      const auto channel = static_cast<ChannelId>(entries.Get<std::uint16_t>());
+      by_channel[channel] = entries.Get<std::uint64_t>();
+    }
+  }
+
+  Cursor& cursor_;
+};
 
 }  // namespace
 
@@ -75,97 +111,32 @@ std::string OpcodeText(Opcode opcode) {
   return std::string("0x") + kDigits[value >> 4] + kDigits[value & 15];
 }
 
-McapHeader ParseHeader(std::uint64_t offset, std::span<const std::byte> content) {
+template <class Record>
+Record Parse(std::uint64_t offset, std::span<const std::byte> content) {
   Cursor cursor(content);
-  McapHeader header;
-  header.profile = cursor.GetText();
-  header.library = cursor.GetText();
-  CheckFields(cursor, offset, Opcode::kHeader);
-  return header;
-}
-
-McapFooter ParseFooter(std::uint64_t offset, std::span<const std::byte> content) {
-  Cursor cursor(content);
-  McapFooter footer;
-  footer.summary_start = cursor.Get<std::uint64_t>();
-  footer.offsets_start = cursor.Get<std::uint64_t>();
-  footer.summary_crc = cursor.Get<std::uint32_t>();
-  CheckFields(cursor, offset, Opcode::kFooter);
-  return footer;
-}
-
-McapSchema ParseSchema(std::uint64_t offset, std::span<const std::byte> content) {
-  Cursor cursor(content);
-  McapSchema schema;
-  schema.id = static_cast<SchemaId>(cursor.Get<std::uint16_t>());
-  schema.name = cursor.GetText();
-  schema.encoding = cursor.GetText();
-  schema.data = cursor.GetText();
-  CheckFields(cursor, offset, Opcode::kSchema);
-  return schema;
-}
-
-McapChannel ParseChannel(std::uint64_t offset, std::span<const std::byte> content) {
-  Cursor cursor(content);
-  McapChannel channel;
-  channel.id = static_cast<ChannelId>(cursor.Get<std::uint16_t>());
-  channel.schema_id = static_cast<SchemaId>(cursor.Get<std::uint16_t>());
-  channel.topic = cursor.GetText();
-  channel.message_encoding = cursor.GetText();
-  channel.metadata = GetTextMap(&cursor);
-  CheckFields(cursor, offset, Opcode::kChannel);
-  return channel;
-}
-
-McapMessageHead ParseMessageHead(std::uint64_t offset, Cursor* cursor) {
-  McapMessageHead head;
-  head.channel_id = static_cast<ChannelId>(cursor->Get<std::uint16_t>());
-  head.sequence = cursor->Get<std::uint32_t>();
-  head.log_time_ns = GetTime(cursor);
-  head.publish_time_ns = GetTime(cursor);
-  CheckFields(*cursor, offset, Opcode::kMessage);
-  return head;
-}
-
-McapStatistics ParseStatistics(std::uint64_t offset, std::span<const std::byte> content) {
-  Cursor cursor(content);
-  McapStatistics statistics;
-  statistics.message_count = cursor.Get<std::uint64_t>();
-  statistics.schema_count = cursor.Get<std::uint16_t>();
-  statistics.channel_count = cursor.Get<std::uint32_t>();
-  statistics.attachment_count = cursor.Get<std::uint32_t>();
-  statistics.metadata_count = cursor.Get<std::uint32_t>();
-  statistics.chunk_count = cursor.Get<std::uint32_t>();
-  statistics.start_time_ns = GetTime(&cursor);
-  statistics.end_time_ns = GetTime(&cursor);
-  Cursor counts(cursor.Take(cursor.Get<std::uint32_t>()));
-  while (counts.remaining() >= 10) {
-    const auto channel = static_cast<ChannelId>(counts.Get<std::uint16_t>());
-    statistics.channel_message_counts[channel] = counts.Get<std::uint64_t>();
+  Record record;
+  VisitFields(FieldReader(&cursor), record);
+  if constexpr (std::same_as<Record, McapAttachment>) {
+    const std::size_t checked = cursor.position();
+    const auto crc = cursor.Get<std::uint32_t>();
+    CheckFields(cursor, offset, Record::kOpcode);
+    if (crc != 0 && Crc32(content.first(checked)) != crc) {
+      throw McapError(offset, "the checksum of the attachment is wrong");
+    }
   }
-  CheckFields(cursor, offset, Opcode::kStatistics);
-  return statistics;
+  CheckFields(cursor, offset, Record::kOpcode);
+  return record;
 }
 
-McapChunkIndex ParseChunkIndex(std::uint64_t offset, std::span<const std::byte> content) {
-  Cursor cursor(content);
-  McapChunkIndex index;
-  index.start_time_ns = GetTime(&cursor);
-  index.end_time_ns = GetTime(&cursor);
-  index.offset = cursor.Get<std::uint64_t>();
-  index.length = cursor.Get<std::uint64_t>();
-  Cursor offsets(cursor.Take(cursor.Get<std::uint32_t>()));
-  while (offsets.remaining() >= 10) {
-    const auto channel = static_cast<ChannelId>(offsets.Get<std::uint16_t>());
-    index.message_index_offsets[channel] = offsets.Get<std::uint64_t>();
-  }
-  index.message_index_length = cursor.Get<std::uint64_t>();
-  index.compression = cursor.GetText();
-  index.compressed_size = cursor.Get<std::uint64_t>();
-  index.uncompressed_size = cursor.Get<std::uint64_t>();
-  CheckFields(cursor, offset, Opcode::kChunkIndex);
-  return index;
-}
+template McapHeader Parse(std::uint64_t, std::span<const std::byte>);
+template McapFooter Parse(std::uint64_t, std::span<const std::byte>);
+template McapSchema Parse(std::uint64_t, std::span<const std::byte>);
+template McapChannel Parse(std::uint64_t, std::span<const std::byte>);
+template McapMessage Parse(std::uint64_t, std::span<const std::byte>);
+template McapStatistics Parse(std::uint64_t, std::span<const std::byte>);
+template McapChunkIndex Parse(std::uint64_t, std::span<const std::byte>);
+template McapMetadata Parse(std::uint64_t, std::span<const std::byte>);
+template McapAttachment Parse(std::uint64_t, std::span<const std::byte>);
 
 std::uint64_t ParseIndexedOffset(std::uint64_t offset, Opcode opcode,
                                  std::span<const std::byte> content) {
@@ -175,42 +146,13 @@ std::uint64_t ParseIndexedOffset(std::uint64_t offset, Opcode opcode,
   return indexed;
 }
 
-McapMetadata ParseMetadata(std::uint64_t offset, std::span<const std::byte> content) {
-  Cursor cursor(content);
-  McapMetadata metadata;
-  metadata.name = cursor.GetText();
-  metadata.values = GetTextMap(&cursor);
-  CheckFields(cursor, offset, Opcode::kMetadata);
-  return metadata;
-}
-
-McapAttachment ParseAttachment(std::uint64_t offset, std::span<const std::byte> content) {
-  Cursor cursor(content);
-  McapAttachment attachment;
-  attachment.log_time_ns = GetTime(&cursor);
-  GetTime(&cursor);  // created
-  attachment.name = cursor.GetText();
-  attachment.media_type = cursor.GetText();
-  attachment.data = Cursor::AsText(cursor.Take(cursor.Get<std::uint64_t>()));
-  const std::size_t checked = cursor.position();
-  const auto crc = cursor.Get<std::uint32_t>();
-  CheckFields(cursor, offset, Opcode::kAttachment);
-  if (crc != 0 && Crc32(content.first(checked)) != crc) {
-    throw McapError(offset, "the checksum of the attachment is wrong");
-  }
-  return attachment;
-}
-
 Bytes OpenChunk(std::uint64_t offset, std::span<const std::byte> content, McapChunkIndex* index) {
   Cursor cursor(content);
   index->offset = offset;
   index->length = McapRecord::kHeadSize + content.size();
-  index->start_time_ns = GetTime(&cursor);
-  index->end_time_ns = GetTime(&cursor);
-  index->uncompressed_size = cursor.Get<std::uint64_t>();
-  const auto crc = cursor.Get<std::uint32_t>();
-  index->compression = cursor.GetText();
-  index->compressed_size = cursor.Get<std::uint64_t>();
+  std::uint32_t crc = 0;
+  FieldReader{&cursor}(index->start_time_ns, index->end_time_ns, index->uncompressed_size, crc,
+                       index->compression, index->compressed_size);
   const auto compressed = cursor.Take(index->compressed_size);
   CheckFields(cursor, offset, Opcode::kChunk);
   Bytes records;

@@ -58,37 +58,25 @@ class McapRecords {
 std::string OpcodeText(Opcode opcode);  // "0x06"
 
 struct McapHeader {
+  static constexpr Opcode kOpcode = Opcode::kHeader;
   std::string profile;
   std::string library;
 };
 
 struct McapFooter {
+  static constexpr Opcode kOpcode = Opcode::kFooter;
   std::uint64_t summary_start = 0;  // 0: no summary
   std::uint64_t offsets_start = 0;  // 0: no summary offsets
   std::uint32_t summary_crc = 0;    // 0: not known
 };
 
-// Fixed fields of a message record; its data is what the cursor has left.
-struct McapMessageHead {
-  ChannelId channel_id{};
-  std::uint32_t sequence = 0;
-  std::int64_t log_time_ns = 0;
-  std::int64_t publish_time_ns = 0;
-};
-
-// Contents of records. `offset` is that of the record in the file, for errors.
-McapHeader ParseHeader(std::uint64_t offset, std::span<const std::byte> content);
-McapFooter ParseFooter(std::uint64_t offset, std::span<const std::byte> content);
-McapSchema ParseSchema(std::uint64_t offset, std::span<const std::byte> content);
-McapChannel ParseChannel(std::uint64_t offset, std::span<const std::byte> content);
-McapMessageHead ParseMessageHead(std::uint64_t offset, Cursor* cursor);
-McapStatistics ParseStatistics(std::uint64_t offset, std::span<const std::byte> content);
-McapChunkIndex ParseChunkIndex(std::uint64_t offset, std::span<const std::byte> content);
+// Content of a record of one of the structs with a kOpcode; the data of a message is a part of it.
+// `offset` is that of the record in the file, for errors.
+template <class Record>
+Record Parse(std::uint64_t offset, std::span<const std::byte> content);
 // Offset of the record that an attachment or metadata index points to.
 std::uint64_t ParseIndexedOffset(std::uint64_t offset, Opcode opcode,
                                  std::span<const std::byte> content);
-McapMetadata ParseMetadata(std::uint64_t offset, std::span<const std::byte> content);
-McapAttachment ParseAttachment(std::uint64_t offset, std::span<const std::byte> content);
 
 // Uncompressed records of a chunk, checked; the index gets what the chunk says of itself.
 Bytes OpenChunk(std::uint64_t offset, std::span<const std::byte> content, McapChunkIndex* index);

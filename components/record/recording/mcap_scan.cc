@@ -13,7 +13,7 @@ struct Tally {
   std::int64_t end_time_ns = 0;
   std::map<ChannelId, std::uint64_t> channel_counts;
 
-  void Add(const McapMessageHead& head) {
+  void Add(const McapMessage& head) {
     start_time_ns = messages == 0 ? head.log_time_ns : std::min(start_time_ns, head.log_time_ns);
     end_time_ns = messages == 0 ? head.log_time_ns : std::max(end_time_ns, head.log_time_ns);
     ++messages;
@@ -41,11 +41,12 @@ void AddChunk(std::uint64_t offset, const Bytes& content, McapContents* contents
   Tally tally;
   ForEachInChunk(
       offset, records, [&](Opcode opcode, std::size_t, std::span<const std::byte> inner) {
-        if (opcode == Opcode::kSchema) contents->AddSchema(offset, ParseSchema(offset, inner));
-        if (opcode == Opcode::kChannel) contents->AddChannel(offset, ParseChannel(offset, inner));
+        if (opcode == Opcode::kSchema)
+          contents->AddSchema(offset, Parse<McapSchema>(offset, inner));
+        if (opcode == Opcode::kChannel)
+          contents->AddChannel(offset, Parse<McapChannel>(offset, inner));
         if (opcode != Opcode::kMessage) return;
-        Cursor cursor(inner);
-        const McapMessageHead head = ParseMessageHead(offset, &cursor);
+        const McapMessage head = Parse<McapMessage>(offset, inner);
         if (!contents->channels.contains(head.channel_id)) {
           throw McapError(offset,
                           "a message in the chunk names a channel that the file does not have");
@@ -61,8 +62,7 @@ void AddChunk(std::uint64_t offset, const Bytes& content, McapContents* contents
 }
 
 void AddLoose(const McapRecord& record, const Bytes& content, McapContents* contents) {
-  Cursor cursor(content);
-  const McapMessageHead head = ParseMessageHead(record.offset, &cursor);
+  const McapMessage head = Parse<McapMessage>(record.offset, content);
   if (!contents->channels.contains(head.channel_id)) {
     throw McapError(record.offset, "a message names a channel that the file does not have");
   }
@@ -76,9 +76,9 @@ void AddToScan(const McapRecords& records, const McapRecord& record, McapContent
   const std::uint64_t offset = record.offset;
   switch (record.opcode) {
     case Opcode::kSchema:
-      return contents->AddSchema(offset, ParseSchema(offset, records.ReadContent(record)));
+      return contents->AddSchema(offset, Parse<McapSchema>(offset, records.ReadContent(record)));
     case Opcode::kChannel:
-      return contents->AddChannel(offset, ParseChannel(offset, records.ReadContent(record)));
+      return contents->AddChannel(offset, Parse<McapChannel>(offset, records.ReadContent(record)));
     case Opcode::kChunk:
       return AddChunk(offset, records.ReadContent(record), contents);
     case Opcode::kMessage:

@@ -12,14 +12,14 @@ constexpr std::uint64_t kCrcSize = 4;
 void AddSummaryRecord(const McapRecord& record, const Bytes& content, McapContents* contents) {
   switch (record.opcode) {
     case Opcode::kSchema:
-      return contents->AddSchema(record.offset, ParseSchema(record.offset, content));
+      return contents->AddSchema(record.offset, Parse<McapSchema>(record.offset, content));
     case Opcode::kChannel:
-      return contents->AddChannel(record.offset, ParseChannel(record.offset, content));
+      return contents->AddChannel(record.offset, Parse<McapChannel>(record.offset, content));
     case Opcode::kStatistics:
-      contents->statistics = ParseStatistics(record.offset, content);
+      contents->statistics = Parse<McapStatistics>(record.offset, content);
       return;
     case Opcode::kChunkIndex:
-      contents->chunks.push_back(ParseChunkIndex(record.offset, content));
+      contents->chunks.push_back(Parse<McapChunkIndex>(record.offset, content));
       return;
     case Opcode::kMetadataIndex:
       contents->metadata_offsets.push_back(
@@ -68,7 +68,7 @@ std::optional<McapContents> ReadSummary(const McapRecords& records, std::uint64_
     throw McapError(footer_offset,
                     "record " + OpcodeText(record.opcode) + ", expected the footer 0x02");
   }
-  const McapFooter footer = ParseFooter(footer_offset, records.ReadContent(record));
+  const McapFooter footer = Parse<McapFooter>(footer_offset, records.ReadContent(record));
   if (footer.summary_start == 0) return std::nullopt;
   if (footer.summary_start < kMcapMagic.size() || footer.summary_start > footer_offset ||
       (footer.offsets_start != 0 &&

@@ -1,9 +1,12 @@
 #include "components/record/recording/mcap_writer.h"
 
 #include <algorithm>
+#include <concepts>
 #include <limits>
+#include <type_traits>
 
 #include "components/base/types/printable.h"
+#include "components/record/recording/mcap_fields.h"
 
 namespace sinew::recording {
 namespace {
@@ -19,53 +22,54 @@ void FinishRecord(Bytes* out, std::size_t content_start) {
   PutAt(out, content_start - 8, static_cast<std::uint64_t>(out->size() - content_start));
 }
 
-// Texts of the format are UTF-8, names of files any bytes.
-void PutUtf8(Bytes* out, std::string_view text) { PutText(out, types::Utf8(text)); }
+// Fields to the end of the bytes.
+class FieldWriter {
+ public:
+  explicit FieldWriter(Bytes* out) : out_(out) {}
 
-void PutTextMap(Bytes* out, const TextMap& map) {
-  const std::size_t start = out->size();
-  Put(out, std::uint32_t{0});
-  for (const auto& [key, value] : map) {
-    PutUtf8(out, key);
-    PutUtf8(out, value);
+  template <class... Field>
+  void operator()(const Field&... fields) {
+    (Write(fields), ...);
   }
-  PutAt(out, start, static_cast<std::uint32_t>(out->size() - start - 4));
-}
 
-void PutSchema(Bytes* out, const McapSchema& schema) {
-  const std::size_t start = StartRecord(out, Opcode::kSchema);
-  Put(out, static_cast<std::uint16_t>(schema.id));
-  PutUtf8(out, schema.name);
-  PutUtf8(out, schema.encoding);
-  PutText(out, schema.data);
-  FinishRecord(out, start);
-}
-
-void PutChannel(Bytes* out, const McapChannel& channel) {
-  const std::size_t start = StartRecord(out, Opcode::kChannel);
-  Put(out, static_cast<std::uint16_t>(channel.id));
-  Put(out, static_cast<std::uint16_t>(channel.schema_id));
-  PutUtf8(out, channel.topic);
-  PutUtf8(out, channel.message_encoding);
-  PutTextMap(out, channel.metadata);
-  FinishRecord(out, start);
-}
-
-void PutChunkIndex(Bytes* out, const McapChunkIndex& chunk) {
-  const std::size_t start = StartRecord(out, Opcode::kChunkIndex);
-  Put(out, static_cast<std::uint64_t>(chunk.start_time_ns));
-  Put(out, static_cast<std::uint64_t>(chunk.end_time_ns));
-  Put(out, chunk.offset);
-  Put(out, chunk.length);
-  Put(out, static_cast<std::uint32_t>(10 * chunk.message_index_offsets.size()));
-  for (const auto& [channel, offset] : chunk.message_index_offsets) {
-    Put(out, static_cast<std::uint16_t>(channel));
-    Put(out, offset);
+ private:
+  template <std::unsigned_integral Number>
+  void Write(Number number) {
+    Put(out_, number);
   }
-  Put(out, chunk.message_index_length);
-  PutUtf8(out, chunk.compression);
-  Put(out, chunk.compressed_size);
-  Put(out, chunk.uncompressed_size);
+  template <class Id>
+  requires std::is_enum_v<Id>
+  void Write(Id id) { Put(out_, static_cast<std::underlying_type_t<Id>>(id)); }
+  void Write(std::int64_t time_ns) { Put(out_, static_cast<std::uint64_t>(time_ns)); }
+  void Write(UnusedTime) { Put(out_, std::uint64_t{0}); }
+  // Texts of the format are UTF-8, names of files any bytes.
+  void Write(const std::string& text) { PutText(out_, types::Utf8(text)); }
+  void Write(Verbatim<const std::string> field) { PutText(out_, field.text); }
+  void Write(LongText<const std::string> field) {
+    Put(out_, static_cast<std::uint64_t>(field.text.size()));
+    PutRaw(out_, field.text);
+  }
+  void Write(std::span<const std::byte> data) {
+    out_->insert(out_->end(), data.begin(), data.end());
+  }
+  void Write(const TextMap& map) {
+    const std::size_t start = out_->size();
+    Put(out_, std::uint32_t{0});
+    for (const auto& [key, value] : map) (*this)(key, value);
+    PutAt(out_, start, static_cast<std::uint32_t>(out_->size() - start - 4));
+  }
+  void Write(const std::map<ChannelId, std::uint64_t>& by_channel) {
+    Put(out_, static_cast<std::uint32_t>(10 * by_channel.size()));
+    for (const auto& [channel, value] : by_channel) (*this)(channel, value);
+  }
+
+  Bytes* out_;
+};
+
+template <class Record>
+void PutRecord(Bytes* out, const Record& record) {
+  const std::size_t start = StartRecord(out, Record::kOpcode);
+  VisitFields(FieldWriter(out), record);
   FinishRecord(out, start);
 }
 
@@ -90,10 +94,7 @@ IoStatus McapWriter::Open(const std::string& profile) {
   if (open_) return IoStatus::Failed("the file is open already");
   Bytes out;
   for (const unsigned char byte : kMcapMagic) out.push_back(std::byte{byte});
-  const std::size_t start = StartRecord(&out, Opcode::kHeader);
-  PutUtf8(&out, profile);
-  PutUtf8(&out, options_.library);
-  FinishRecord(&out, start);
+  PutRecord(&out, McapHeader{profile, options_.library});
   open_ = true;
   return Emit(out);
 }
@@ -107,7 +108,7 @@ IoStatus McapWriter::AddSchema(const std::string& name, const std::string& encod
   schemas_.push_back({*id, name, encoding, data});
   statistics_.schema_count = static_cast<std::uint16_t>(schemas_.size());
   scratch_.clear();
-  PutSchema(&scratch_, schemas_.back());
+  PutRecord(&scratch_, schemas_.back());
   return Emit(scratch_);
 }
 
@@ -124,7 +125,7 @@ IoStatus McapWriter::AddChannel(SchemaId schema_id, const std::string& topic,
   sequences_.push_back(0);
   statistics_.channel_count = static_cast<std::uint32_t>(channels_.size());
   scratch_.clear();
-  PutChannel(&scratch_, channels_.back());
+  PutRecord(&scratch_, channels_.back());
   return Emit(scratch_);
 }
 
@@ -148,13 +149,8 @@ IoStatus McapWriter::WriteMessage(ChannelId channel_id, std::int64_t log_time_ns
   chunk_end_ns_ = std::max(chunk_end_ns_, log_time_ns);
   chunk_index_[channel_id].push_back({log_time_ns, chunk_.size()});
 
-  const std::size_t start = StartRecord(&chunk_, Opcode::kMessage);
-  Put(&chunk_, static_cast<std::uint16_t>(channel_id));
-  Put(&chunk_, sequence ? *sequence : sequences_[channel - 1]++);
-  Put(&chunk_, static_cast<std::uint64_t>(log_time_ns));
-  Put(&chunk_, static_cast<std::uint64_t>(publish_time_ns));
-  chunk_.insert(chunk_.end(), data.begin(), data.end());
-  FinishRecord(&chunk_, start);
+  PutRecord(&chunk_, McapMessage{channel_id, sequence ? *sequence : sequences_[channel - 1]++,
+                                 log_time_ns, publish_time_ns, data});
 
   if (statistics_.message_count == 0)
     statistics_.start_time_ns = statistics_.end_time_ns = log_time_ns;
@@ -178,11 +174,8 @@ IoStatus McapWriter::CloseChunk() {
 
   scratch_.clear();
   const std::size_t start = StartRecord(&scratch_, Opcode::kChunk);
-  Put(&scratch_, static_cast<std::uint64_t>(chunk_start_ns_));
-  Put(&scratch_, static_cast<std::uint64_t>(chunk_end_ns_));
-  Put(&scratch_, static_cast<std::uint64_t>(chunk_.size()));
-  Put(&scratch_, Crc32(chunk_));
-  PutUtf8(&scratch_, index.compression);
+  FieldWriter{&scratch_}(index.start_time_ns, index.end_time_ns, index.uncompressed_size,
+                         Crc32(chunk_), index.compression);
   const std::size_t size_at = scratch_.size();
   Put(&scratch_, std::uint64_t{0});
   Compress(options_.compression, chunk_, &scratch_);
@@ -194,12 +187,9 @@ IoStatus McapWriter::CloseChunk() {
   for (const auto& [channel, entries] : chunk_index_) {
     index.message_index_offsets[channel] = offset_ + scratch_.size();
     const std::size_t record = StartRecord(&scratch_, Opcode::kMessageIndex);
-    Put(&scratch_, static_cast<std::uint16_t>(channel));
-    Put(&scratch_, static_cast<std::uint32_t>(16 * entries.size()));
-    for (const IndexEntry& entry : entries) {
-      Put(&scratch_, static_cast<std::uint64_t>(entry.log_time_ns));
-      Put(&scratch_, entry.offset);
-    }
+    FieldWriter fields(&scratch_);
+    fields(channel, static_cast<std::uint32_t>(16 * entries.size()));
+    for (const IndexEntry& entry : entries) fields(entry.log_time_ns, entry.offset);
     FinishRecord(&scratch_, record);
   }
   index.message_index_length = scratch_.size() - index.length;
@@ -207,7 +197,7 @@ IoStatus McapWriter::CloseChunk() {
   chunk_.clear();
   chunk_index_.clear();
   if (IoStatus status = Emit(scratch_); !status.ok()) return status;
-  PutChunkIndex(&chunk_records_, index);
+  PutRecord(&chunk_records_, index);
   ++statistics_.chunk_count;
   return IoStatus::Ok();
 }
@@ -215,12 +205,9 @@ IoStatus McapWriter::CloseChunk() {
 IoStatus McapWriter::WriteMetadata(const McapMetadata& metadata) {
   if (!open_) return IoStatus::Failed("the file is not open");
   scratch_.clear();
-  const std::size_t start = StartRecord(&scratch_, Opcode::kMetadata);
-  PutUtf8(&scratch_, metadata.name);
-  PutTextMap(&scratch_, metadata.values);
-  FinishRecord(&scratch_, start);
+  PutRecord(&scratch_, metadata);
   Located located{offset_, scratch_.size(), {}};
-  PutUtf8(&located.rest, metadata.name);
+  FieldWriter{&located.rest}(metadata.name);
   if (IoStatus status = Emit(scratch_); !status.ok()) return status;
   metadata_.push_back(std::move(located));
   ++statistics_.metadata_count;
@@ -231,20 +218,13 @@ IoStatus McapWriter::WriteAttachment(const McapAttachment& attachment) {
   if (!open_) return IoStatus::Failed("the file is not open");
   scratch_.clear();
   const std::size_t start = StartRecord(&scratch_, Opcode::kAttachment);
-  Put(&scratch_, static_cast<std::uint64_t>(attachment.log_time_ns));
-  Put(&scratch_, std::uint64_t{0});
-  PutUtf8(&scratch_, attachment.name);
-  PutUtf8(&scratch_, attachment.media_type);
-  Put(&scratch_, static_cast<std::uint64_t>(attachment.data.size()));
-  PutRaw(&scratch_, attachment.data);
+  VisitFields(FieldWriter(&scratch_), attachment);
   Put(&scratch_, Crc32(std::span(scratch_).subspan(start)));
   FinishRecord(&scratch_, start);
   Located located{offset_, scratch_.size(), {}};
-  Put(&located.rest, static_cast<std::uint64_t>(attachment.log_time_ns));
-  Put(&located.rest, std::uint64_t{0});
-  Put(&located.rest, static_cast<std::uint64_t>(attachment.data.size()));
-  PutUtf8(&located.rest, attachment.name);
-  PutUtf8(&located.rest, attachment.media_type);
+  FieldWriter{&located.rest}(attachment.log_time_ns, UnusedTime{},
+                             static_cast<std::uint64_t>(attachment.data.size()), attachment.name,
+                             attachment.media_type);
   if (IoStatus status = Emit(scratch_); !status.ok()) return status;
   attachments_.push_back(std::move(located));
   ++statistics_.attachment_count;
@@ -255,9 +235,8 @@ void McapWriter::AppendGroup(Opcode opcode, const Bytes& records, std::uint64_t 
                              Bytes* summary, Bytes* offsets) const {
   if (records.empty()) return;
   const std::size_t start = StartRecord(offsets, Opcode::kSummaryOffset);
-  Put(offsets, static_cast<std::uint8_t>(opcode));
-  Put(offsets, summary_start + summary->size());
-  Put(offsets, static_cast<std::uint64_t>(records.size()));
+  FieldWriter{offsets}(opcode, summary_start + summary->size(),
+                       static_cast<std::uint64_t>(records.size()));
   FinishRecord(offsets, start);
   summary->insert(summary->end(), records.begin(), records.end());
 }
@@ -276,29 +255,15 @@ IoStatus McapWriter::Close() {
   Bytes summary;
   Bytes offsets;
   Bytes group;
-  for (const McapSchema& schema : schemas_) PutSchema(&group, schema);
+  for (const McapSchema& schema : schemas_) PutRecord(&group, schema);
   AppendGroup(Opcode::kSchema, group, summary_start, &summary, &offsets);
 
   group.clear();
-  for (const McapChannel& channel : channels_) PutChannel(&group, channel);
+  for (const McapChannel& channel : channels_) PutRecord(&group, channel);
   AppendGroup(Opcode::kChannel, group, summary_start, &summary, &offsets);
 
   group.clear();
-  start = StartRecord(&group, Opcode::kStatistics);
-  Put(&group, statistics_.message_count);
-  Put(&group, statistics_.schema_count);
-  Put(&group, statistics_.channel_count);
-  Put(&group, statistics_.attachment_count);
-  Put(&group, statistics_.metadata_count);
-  Put(&group, statistics_.chunk_count);
-  Put(&group, static_cast<std::uint64_t>(statistics_.start_time_ns));
-  Put(&group, static_cast<std::uint64_t>(statistics_.end_time_ns));
-  Put(&group, static_cast<std::uint32_t>(10 * statistics_.channel_message_counts.size()));
-  for (const auto& [channel, count] : statistics_.channel_message_counts) {
-    Put(&group, static_cast<std::uint16_t>(channel));
-    Put(&group, count);
-  }
-  FinishRecord(&group, start);
+  PutRecord(&group, statistics_);
   AppendGroup(Opcode::kStatistics, group, summary_start, &summary, &offsets);
 
   AppendGroup(Opcode::kChunkIndex, chunk_records_, summary_start, &summary, &offsets);
@@ -308,9 +273,7 @@ IoStatus McapWriter::Close() {
     group.clear();
     for (const Located& located : *records) {
       start = StartRecord(&group, opcode);
-      Put(&group, located.offset);
-      Put(&group, located.length);
-      group.insert(group.end(), located.rest.begin(), located.rest.end());
+      FieldWriter{&group}(located.offset, located.length, std::span<const std::byte>(located.rest));
       FinishRecord(&group, start);
     }
     AppendGroup(opcode, group, summary_start, &summary, &offsets);
@@ -319,11 +282,7 @@ IoStatus McapWriter::Close() {
   const std::uint64_t summary_offset_start = summary_start + summary.size();
   out = std::move(summary);
   out.insert(out.end(), offsets.begin(), offsets.end());
-  start = StartRecord(&out, Opcode::kFooter);
-  Put(&out, summary_start);
-  Put(&out, summary_offset_start);
-  Put(&out, std::uint32_t{0});
-  FinishRecord(&out, start);
+  PutRecord(&out, McapFooter{summary_start, summary_offset_start});
   // The checksum covers everything before itself.
   PutAt(&out, out.size() - 4, Crc32(std::span(out).first(out.size() - 4)));
   for (const unsigned char byte : kMcapMagic) out.push_back(std::byte{byte});

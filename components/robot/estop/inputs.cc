@@ -142,13 +142,9 @@ Input::Input(std::string name, std::function<OpenDevice()> open,
   Open();
 }
 
-Input::~Input() {
-  if (descriptor_ >= 0) ::close(descriptor_);
-}
-
 void Input::Open() {
   OpenDevice device = open_();
-  descriptor_ = device.descriptor;
+  descriptor_ = config::Descriptor(device.descriptor);
   pressed_ = device.pressed;
   why_ = std::move(device.why);
   rest_.clear();
@@ -160,8 +156,7 @@ bool Input::Reopen() {
 }
 
 void Input::Lose(const std::string& why) {
-  ::close(descriptor_);
-  descriptor_ = -1;
+  descriptor_.Close();
   pressed_ = false;
   why_ = name_ + ": " + why;
 }
@@ -169,8 +164,8 @@ void Input::Lose(const std::string& why) {
 bool Input::Read() {
   bool stopped = false;
   std::array<std::byte, 1024> bytes;
-  while (descriptor_ >= 0) {
-    const ssize_t size = ::read(descriptor_, bytes.data(), bytes.size());
+  while (!lost()) {
+    const ssize_t size = ::read(descriptor(), bytes.data(), bytes.size());
     if (size < 0 && errno == EINTR) continue;
     if (size < 0 && errno == EAGAIN) break;
     if (size <= 0) {

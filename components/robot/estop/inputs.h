@@ -14,6 +14,8 @@
 #include <string>
 #include <vector>
 
+#include "components/base/config/descriptor.h"
+
 namespace sinew::estop {
 
 // Decoder of a device whose events have one size.
@@ -45,17 +47,14 @@ class Input {
  public:
   // `open` is called at once, and by Reopen. The descriptor is this object's from then on.
   Input(std::string name, std::function<OpenDevice()> open, std::unique_ptr<EventDecoder> decoder);
-  ~Input();
-  Input(const Input&) = delete;
-  Input& operator=(const Input&) = delete;
 
   // Everything that waits. True: pressed or lost by it.
   bool Read();
   // Opens a lost input again. True: it is back.
   bool Reopen();
 
-  int descriptor() const { return descriptor_; }  // for poll(); -1: lost
-  bool lost() const { return descriptor_ < 0; }
+  int descriptor() const { return descriptor_.get(); }  // for poll(); -1: lost
+  bool lost() const { return descriptor() < 0; }
   bool stops() const { return pressed_ || lost(); }
   const std::string& name() const { return name_; }
   const std::string& why() const { return why_; }  // lost: the reason
@@ -67,7 +66,7 @@ class Input {
   std::string name_;
   std::function<OpenDevice()> open_;
   std::unique_ptr<EventDecoder> decoder_;
-  int descriptor_ = -1;
+  config::Descriptor descriptor_;
   bool pressed_ = false;
   std::string why_;
   std::vector<std::byte> rest_;  // the begin of an event whose end has not come yet

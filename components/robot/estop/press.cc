@@ -3,11 +3,10 @@
 #include <poll.h>
 #include <sys/socket.h>
 #include <sys/time.h>
-#include <unistd.h>
 
 #include <array>
 #include <cerrno>
-#include <utility>
+#include <cstring>
 
 #include "components/base/config/unix_socket.h"
 #include "components/robot/estop/socket_folder.h"
@@ -32,31 +31,22 @@ Press::Press(const std::filesystem::path& socket, const std::string& reason) {
     error_ = socket.string() + ": the path is too long for a socket";
     return;
   }
-  socket_ = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  socket_ = config::Descriptor(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0));
+  const int connected = socket_.get();
   const timeval limit{0, 100'000};  // connect() waits while the listener's queue is full
-  ::setsockopt(socket_, SOL_SOCKET, SO_SNDTIMEO, &limit, sizeof limit);
+  ::setsockopt(connected, SOL_SOCKET, SO_SNDTIMEO, &limit, sizeof limit);
   const std::string text = (reason.empty() ? std::string("estop") : reason) + "\n";
   const bool done =
-      socket_ >= 0 &&
-      ::connect(socket_, reinterpret_cast<const sockaddr*>(&*address), sizeof *address) == 0 &&
-      ::send(socket_, text.data(), text.size(), MSG_NOSIGNAL) > 0;
+      connected >= 0 &&
+      ::connect(connected, reinterpret_cast<const sockaddr*>(&*address), sizeof *address) == 0 &&
+      ::send(connected, text.data(), text.size(), MSG_NOSIGNAL) > 0;
   if (done) {
-    doubt_ = DoubtOf(socket, config::PeerOf(socket_));
+    doubt_ = DoubtOf(socket, config::PeerOf(connected));
     return;
   }
   error_ = socket.string() + ": " + std::strerror(errno);
-  if (socket_ >= 0) ::close(socket_);
-  socket_ = -1;
+  socket_.Close();
 }
-
-Press::~Press() {
-  if (socket_ >= 0) ::close(socket_);
-}
-
-Press::Press(Press&& other) noexcept
-    : socket_(std::exchange(other.socket_, -1)),
-      error_(std::move(other.error_)),
-      doubt_(std::move(other.doubt_)) {}
 
 Press::Answer Press::Await(std::chrono::milliseconds timeout) {
   Answer answer;
@@ -65,14 +55,14 @@ Press::Answer Press::Await(std::chrono::milliseconds timeout) {
     return answer;
   }
   const auto end = std::chrono::steady_clock::now() + timeout;
-  while (socket_ >= 0) {
+  while (sent()) {
     const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(
         end - std::chrono::steady_clock::now());
     if (left.count() < 0) break;
-    pollfd waiting{socket_, POLLIN, 0};
+    pollfd waiting{socket_.get(), POLLIN, 0};
     if (::poll(&waiting, 1, static_cast<int>(left.count()) + 1) == 0) break;
     std::array<char, 256> buffer;
-    const ssize_t size = ::recv(socket_, buffer.data(), buffer.size(), MSG_DONTWAIT);
+    const ssize_t size = ::recv(socket_.get(), buffer.data(), buffer.size(), MSG_DONTWAIT);
     if (size < 0 && (errno == EAGAIN || errno == EINTR)) continue;
     if (size <= 0) break;  // all is said
     answer.text.append(buffer.data(), static_cast<std::size_t>(size));

@@ -20,6 +20,8 @@
 #include <filesystem>
 #include <string>
 
+#include "components/base/config/descriptor.h"
+
 namespace sinew::estop {
 
 // For the whole answer: the axes' report (kConfirmLimit of listener.h), then the disk.
@@ -29,12 +31,8 @@ class Press {
  public:
   // Connects and sends; waits for neither, but for a socket whose queue is full at most 100 ms.
   Press(const std::filesystem::path& socket, const std::string& reason);
-  ~Press();
-  Press(Press&& other) noexcept;
-  Press(const Press&) = delete;
-  Press& operator=(const Press&) = delete;
 
-  bool sent() const { return socket_ >= 0; }
+  bool sent() const { return socket_.get() >= 0; }
   const std::string& error() const { return error_; }  // not sent: why
 
   struct Answer {
@@ -47,7 +45,7 @@ class Press {
   Answer Await(std::chrono::milliseconds timeout);
 
  private:
-  int socket_ = -1;
+  config::Descriptor socket_;
   std::string error_;
   std::string doubt_;  // sent, but what is answered does not count: why
 };

@@ -1,14 +1,10 @@
 #include "sim/render/file/film.h"
 
-#include <optional>
 #include <string>
 
 #include "components/base/config/config.h"
 #include "components/base/types/text.h"
-#include "sim/render/file/caption.h"
 #include "sim/render/file/png_file.h"
-#include "sim/render/file/video_file.h"
-#include "sim/render/renderer.h"
 
 namespace sinew::render {
 
@@ -40,50 +36,33 @@ FilmOptions Checked(const FilmOptions& options) {
 
 }  // namespace
 
-struct Film::Impl {
-  Impl(const Scene& scene, const FilmOptions& film_options)
-      : options(Checked(film_options)),
-        camera(CameraOf(scene, options.view, options.fixed_base)),
-        renderer(scene, options.width, options.height),
-        caption(kCaptionFont, static_cast<int>(kLetterHeight * options.height)) {
-    if (!options.video.empty()) {
-      video.emplace(options.video, options.width, options.height, options.frames_per_s);
-    }
-    if (options.frames.empty()) return;
-    std::error_code error;
-    std::filesystem::create_directories(options.frames, error);
-    if (error) throw UsageError(options.frames.string() + ": " + error.message());
-  }
-
-  FilmOptions options;
-  Camera camera;
-  Renderer renderer;
-  Caption caption;
-  std::optional<VideoFile> video;
-  int frame_count = 0;
-};
-
 Film::Film(const Scene& scene, const FilmOptions& options)
-    : impl_(std::make_unique<Impl>(scene, options)) {}
-
-Film::~Film() = default;
-
-void Film::Add(double time_s, const RobotPose& pose) {
-  Image image = impl_->renderer.Render(pose, Follow(impl_->camera, pose));
-  const int margin = static_cast<int>(kLetterMargin * impl_->options.height);
-  impl_->caption.Draw(types::Text("t = %.2f s", time_s), margin, impl_->options.height - margin,
-                      &image);
-  if (impl_->video) impl_->video->Add(image);
-  if (!impl_->options.frames.empty()) {
-    WritePng(impl_->options.frames / types::Text("frame_%05d.png", impl_->frame_count), image);
+    : options_(Checked(options)),
+      camera_(CameraOf(scene, options.view, options.fixed_base)),
+      renderer_(scene, options.width, options.height),
+      caption_(kCaptionFont, static_cast<int>(kLetterHeight * options.height)) {
+  if (!options.video.empty()) {
+    video_.emplace(options.video, options.width, options.height, options.frames_per_s);
   }
-  ++impl_->frame_count;
+  if (options.frames.empty()) return;
+  std::error_code error;
+  std::filesystem::create_directories(options.frames, error);
+  if (error) throw UsageError(options.frames.string() + ": " + error.message());
 }
 
-int Film::frame_count() const { return impl_->frame_count; }
+void Film::Add(double time_s, const RobotPose& pose) {
+  Image image = renderer_.Render(pose, Follow(camera_, pose));
+  const int margin = static_cast<int>(kLetterMargin * options_.height);
+  caption_.Draw(types::Text("t = %.2f s", time_s), margin, options_.height - margin, &image);
+  if (video_) video_->Add(image);
+  if (!options_.frames.empty()) {
+    WritePng(options_.frames / types::Text("frame_%05d.png", frame_count_), image);
+  }
+  ++frame_count_;
+}
 
 void Film::Finish() {
-  if (impl_->video) impl_->video->Finish();
+  if (video_) video_->Finish();
 }
 
 }  // namespace sinew::render

@@ -5,9 +5,12 @@
 #pragma once
 
 #include <filesystem>
-#include <memory>
+#include <optional>
 
 #include "sim/render/camera.h"
+#include "sim/render/file/caption.h"
+#include "sim/render/file/video_file.h"
+#include "sim/render/renderer.h"
 #include "sim/render/scene.h"
 
 namespace sinew::render {
@@ -27,19 +30,20 @@ class Film {
   // Makes the folder of the frames. Throws UsageError: neither video nor frames, a video that is
   // not called .mp4, impossible numbers.
   Film(const Scene& scene, const FilmOptions& options);
-  ~Film();
-  Film(const Film&) = delete;
-  Film& operator=(const Film&) = delete;
 
   // The next frame, with time_s as its caption.
   void Add(double time_s, const RobotPose& pose);
-  int frame_count() const;
+  int frame_count() const { return frame_count_; }
   // Writes the end of the video, which is not there otherwise. Nothing is added afterwards.
   void Finish();
 
  private:
-  struct Impl;
-  std::unique_ptr<Impl> impl_;
+  const FilmOptions options_;
+  const Camera camera_;
+  const Renderer renderer_;
+  const Caption caption_;
+  std::optional<VideoFile> video_;
+  int frame_count_ = 0;
 };
 
 }  // namespace sinew::render

@@ -22,7 +22,7 @@
 #include "components/topics/node/codec.h"
 #include "components/topics/node/topics.h"
 #include "tests/support/temporary_folder.h"
-#include "tools/sinew/performance.h"
+#include "tools/sinew/commands.h"
 
 namespace sinew::tools {
 namespace {

@@ -5,20 +5,48 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
+#include <csignal>
 #include <memory>
 #include <utility>
 
 #include "components/base/types/seconds.h"
 #include "components/record/logger/file/file_series.h"
 #include "components/record/logger/participant/description.h"
-#include "components/record/logger/participant/dump_signal.h"
 #include "components/record/logger/participant/topic_choice.h"
 #include "components/record/logger/recorder.h"
 
 namespace sinew::logger {
 
 namespace {
+
+std::atomic<bool> dump_requested{false};
+static_assert(std::atomic<bool>::is_always_lock_free, "it is set in a signal handler");
+
+void RequestDump(int) { dump_requested.store(true, std::memory_order_relaxed); }
+
+// SIGUSR1 as a request to write what a ring holds. One object at a time; any thread asks it.
+class DumpSignal {
+ public:
+  // From here on the signal does not end the process.
+  DumpSignal() {
+    struct sigaction action {};
+    action.sa_handler = &RequestDump;
+    action.sa_flags = SA_RESTART;
+    sigemptyset(&action.sa_mask);
+    ::sigaction(SIGUSR1, &action, &before_);
+  }
+  ~DumpSignal() { ::sigaction(SIGUSR1, &before_, nullptr); }  // what was before
+  DumpSignal(const DumpSignal&) = delete;
+  DumpSignal& operator=(const DumpSignal&) = delete;
+
+  // Whether the signal came since the last call.
+  static bool Take() noexcept { return dump_requested.exchange(false); }
+
+ private:
+  struct sigaction before_ {};
+};
 
 using Clock = std::chrono::steady_clock;
 using std::chrono::milliseconds;

@@ -4,6 +4,7 @@
 #include <set>
 
 #include "components/base/config/config.h"
+#include "components/base/types/joined.h"
 
 namespace sinew::logger {
 
@@ -12,11 +13,7 @@ namespace {
 using TopicSet = std::set<const node::TopicInfo*>;
 
 std::string NamesOfTopics() {
-  std::string list;
-  for (const node::TopicInfo& topic : node::AllTopics()) {
-    list += (list.empty() ? "" : ", ") + topic.name;
-  }
-  return list;
+  return types::Joined(node::AllTopics(), ", ", &node::TopicInfo::name);
 }
 
 TopicSet Matching(const std::string& option, const std::string& entry) {

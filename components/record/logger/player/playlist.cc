@@ -4,6 +4,7 @@
 #include <regex>
 #include <stdexcept>
 
+#include "components/base/types/joined.h"
 #include "components/base/types/robot_state.h"
 #include "components/record/recording/idl_schema.h"
 #include "components/record/recording/session_clock.h"
@@ -70,12 +71,10 @@ void CheckNames(const recording::McapReader& reader, const std::string& file,
                 const std::map<std::string, std::string>& remap) {
   std::set<std::string> recorded;
   for (const auto& [id, channel] : reader.channels()) recorded.insert(channel.topic);
-  std::string list;
-  for (const std::string& name : recorded) list += (list.empty() ? "" : ", ") + name;
   const auto require = [&](const std::string& option, const std::string& name, bool is_there) {
     if (is_there) return;
     throw std::invalid_argument(option + ": topic '" + name + "' is not in " + file +
-                                ", expected one of: " + list);
+                                ", expected one of: " + types::Joined(recorded));
   };
   for (const auto& [option, patterns] :
        {std::pair<std::string, const std::vector<TopicPattern>*>("--topics", &wanted),

@@ -103,24 +103,21 @@ IoStatus WholeFileSink::Write(std::span<const std::byte> bytes) {
 IoStatus WholeFileSink::Commit() { return ToStatus(file_.Commit()); }
 
 FileSource::FileSource(const std::filesystem::path& path) {
-  descriptor_ = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
-  if (descriptor_ < 0) throw UsageError(path.string() + ": cannot be read: " + Reason());
+  descriptor_ = config::Descriptor(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
+  if (descriptor_.get() < 0) throw UsageError(path.string() + ": cannot be read: " + Reason());
   struct stat info {};
-  if (::fstat(descriptor_, &info) != 0 || !S_ISREG(info.st_mode)) {
+  if (::fstat(descriptor_.get(), &info) != 0 || !S_ISREG(info.st_mode)) {
     const std::string reason = S_ISDIR(info.st_mode) ? "is a folder" : "is no plain file";
-    ::close(descriptor_);
     throw UsageError(path.string() + ": " + reason +
                      ", expected a recording (`sinew import` makes one of a bag of ROS 2)");
   }
   size_ = static_cast<std::uint64_t>(info.st_size);
 }
 
-FileSource::~FileSource() { ::close(descriptor_); }
-
 IoStatus FileSource::Read(std::uint64_t offset, std::span<std::byte> bytes) {
   while (!bytes.empty()) {
     const ssize_t got =
-        ::pread(descriptor_, bytes.data(), bytes.size(), static_cast<off_t>(offset));
+        ::pread(descriptor_.get(), bytes.data(), bytes.size(), static_cast<off_t>(offset));
     if (got < 0 && errno == EINTR) continue;
     if (got < 0) return IoStatus::Failed(Reason());
     if (got == 0) return IoStatus::Failed("the file became shorter");

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 
+#include "components/base/config/descriptor.h"
 #include "components/base/config/whole_file.h"
 #include "components/record/recording/io.h"
 
@@ -46,15 +47,12 @@ class WholeFileSink : public ByteSink {
 class FileSource : public ByteSource {
  public:
   explicit FileSource(const std::filesystem::path& path);  // throws UsageError
-  ~FileSource() override;
-  FileSource(const FileSource&) = delete;
-  FileSource& operator=(const FileSource&) = delete;
 
   std::uint64_t size() const override { return size_; }
   IoStatus Read(std::uint64_t offset, std::span<std::byte> bytes) override;
 
  private:
-  int descriptor_ = -1;
+  config::Descriptor descriptor_;
   std::uint64_t size_ = 0;
 };
 

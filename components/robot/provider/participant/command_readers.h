@@ -16,7 +16,7 @@
 #include <string>
 #include <string_view>
 
-#include "components/robot/provider/participant/command_source.h"
+#include "components/base/types/message_header.h"
 #include "components/robot/provider/pressure_source.h"
 #include "components/robot/provider/provider_cycle.h"
 #include "components/robot/provider/simulated_plant.h"
@@ -24,6 +24,32 @@
 #include "components/topics/node/node.h"
 
 namespace sinew::provider {
+
+// Publishes whose commands the state provider obeys: command_source, when that changes. Ownership
+// of a topic is decided by each reader for itself; this is the provider's.
+class CommandSource {
+ public:
+  // Throws DdsError.
+  explicit CommandSource(node::Node& node);
+
+  // Writers of the newest commands that count.
+  void SetJointCommandWriter(const node::WriterId& writer) { Set(&joint_command_, writer); }
+  void SetValveCommandWriter(const node::WriterId& writer) { Set(&valve_command_, writer); }
+  // With the header of the running cycle. Writes and logs only when there is something new.
+  void Publish(const types::MessageHeader& header);
+
+ private:
+  void Set(std::optional<node::WriterId>* writer, const node::WriterId& newest) {
+    changed_ = changed_ || *writer != newest;
+    *writer = newest;
+  }
+  node::Node::WriterName NameOf(const std::optional<node::WriterId>& writer) const;
+
+  node::Node& node_;
+  node::Writer<msg::CommandSource> writer_;
+  std::optional<node::WriterId> joint_command_, valve_command_;
+  bool changed_ = false;
+};
 
 class CommandReaders {
  public:

@@ -1,33 +1,115 @@
 #include "components/robot/provider/participant/run_provider.h"
 
+#include <semaphore.h>
 #include <sinew_idl/estop.h>
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <atomic>
+#include <cerrno>
+#include <cstdint>
+#include <ctime>
+#include <memory>
 #include <optional>
 #include <random>
+#include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
+#include "components/base/config/config.h"
 #include "components/base/types/clock/clock.h"
 #include "components/base/types/fault.h"
 #include "components/robot/estop/watch.h"
 #include "components/robot/provider/cycle_deadline.h"
-#include "components/robot/provider/participant/awaited_topics.h"
 #include "components/robot/provider/participant/command_readers.h"
-#include "components/robot/provider/participant/cycle_sleep.h"
 #include "components/robot/provider/participant/estop_desk.h"
 #include "components/robot/provider/participant/lockstep_wait.h"
 #include "components/robot/provider/participant/other_provider.h"
 #include "components/robot/provider/participant/state_publisher.h"
 #include "components/robot/provider/provider_cycle.h"
 #include "components/robot/provider/work_time.h"
+#include "components/topics/node/codec.h"
 #include "components/topics/node/cut_off.h"
 #include "components/topics/node/node.h"
 #include "components/topics/node/realtime.h"
+#include "components/topics/node/topics.h"
 
 namespace sinew::provider {
 
 namespace {
+
+// Answers of a topic whose messages the provider does not read itself.
+std::function<std::uint64_t()> CountAnswers(const std::string& topic, std::uint64_t session_id,
+                                            node::Node& node) {
+  auto answered = std::make_shared<std::atomic<std::uint64_t>>(0);
+  node.ReadRaw(*node::FindTopic(topic), [answered, session_id](node::RawSample&& sample) {
+    node::HeadOfMessage head;
+    if (!node::PeekHead(sample.payload.data(), sample.payload.size(), &head)) return;
+    if (head.session_id == session_id) answered->store(head.tick + 1);
+  });
+  return [answered] { return answered->load(); };
+}
+
+// The topics of --await joined to the provider's readers, for LockstepWait. Thread: the provider's
+// loop; messages of other topics are counted in DDS threads.
+// The result refers to node, cycle and readers, which must outlive it. Throws UsageError
+// (ParseAwaited) and DdsError.
+std::vector<AwaitedTopic> MakeAwaitedTopics(const std::vector<std::string>& await, node::Node& node,
+                                            const ProviderCycle& cycle, CommandReaders& readers) {
+  std::vector<AwaitedTopic> topics;
+  for (const std::string& text : await) {
+    AwaitedTopic topic = ParseAwaited(text);
+    if (topic.topic == node::kJointCommand.name) {
+      topic.answers = [&cycle] { return cycle.joint_answers(); };
+      topic.wait = [&readers](auto timeout) { readers.WaitForJointCommand(timeout); };
+    } else if (topic.topic == node::kValveCommand.name) {
+      topic.answers = [&cycle] { return cycle.valve_answers(); };
+      topic.wait = [&readers](auto timeout) { readers.WaitForValveCommand(timeout); };
+    } else if (topic.topic == node::kSimPressure.name) {
+      if (!readers.simulated()) {
+        throw UsageError("--await: hardware reads no sim_pressure, expected a simulated robot");
+      }
+      topic.answers = [&readers] { return readers.pressure_answers(); };
+      topic.wait = [&readers](auto timeout) { readers.WaitForPressure(timeout); };
+    } else if (topic.topic == node::kSimBodyDisturbance.name) {
+      if (!readers.has_body()) {
+        throw UsageError("--await: a robot on a fixed base reads no sim_body_disturbance");
+      }
+      topic.answers = [&readers] { return readers.body_disturbance_answers(); };
+      topic.wait = [&readers](auto timeout) { readers.WaitForBodyDisturbance(timeout); };
+    } else {
+      topic.answers = CountAnswers(topic.topic, cycle.session_id(), node);
+      topic.wait = [&node](auto timeout) { node.WaitForData(timeout); };
+    }
+    topics.push_back(std::move(topic));
+  }
+  return topics;
+}
+
+// The sleep of a cycle until its deadline, which another thread can end.
+//
+// Threads: one sleeps, any wakes. Neither allocates.
+class CycleSleep {
+ public:
+  CycleSleep() { ::sem_init(&semaphore_, 0, 0); }
+  ~CycleSleep() { ::sem_destroy(&semaphore_); }
+  CycleSleep(const CycleSleep&) = delete;
+  CycleSleep& operator=(const CycleSleep&) = delete;
+
+  void Wake() noexcept { ::sem_post(&semaphore_); }
+
+  // Until this time of CLOCK_MONOTONIC. False: it came. True: woken before, now or since the last
+  // sleep, or by a signal.
+  bool Until(std::int64_t deadline_ns) noexcept {
+    const timespec deadline{deadline_ns / 1'000'000'000,
+                            static_cast<long>(deadline_ns % 1'000'000'000)};
+    return ::sem_clockwait(&semaphore_, CLOCK_MONOTONIC, &deadline) == 0 || errno == EINTR;
+  }
+
+ private:
+  sem_t semaphore_;
+};
 
 using std::chrono::milliseconds;
 using types::MonotonicNow_ns;

@@ -6,7 +6,11 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstdint>
+#include <deque>
 #include <map>
+#include <memory>
+#include <mutex>
 #include <optional>
 
 #include "components/base/config/config.h"
@@ -14,14 +18,63 @@
 #include "components/record/logger/player/control_socket.h"
 #include "components/record/logger/player/pace.h"
 #include "components/record/logger/player/participant/answers.h"
-#include "components/record/logger/player/participant/live_ticks.h"
+#include "components/record/recording/cdr.h"
 #include "components/record/recording/file/file_io.h"
+#include "components/record/recording/idl_schema.h"
+#include "components/topics/node/codec.h"
 #include "components/topics/node/endpoint.h"
+#include "components/topics/node/node.h"
 #include "components/topics/node/time_option.h"
 
 namespace sinew::logger {
 
 namespace {
+
+struct LiveTick {
+  std::uint64_t session_id;
+  std::uint64_t tick;
+  std::int64_t stamp_ns;
+  bool last;  // the session ends with it
+};
+
+// The ticks of a running session, from its joint_state. Threads: DDS appends, the player's takes.
+class LiveTicks {
+ public:
+  // Reads joint_state from here on.
+  explicit LiveTicks(node::Node& node) {
+    const node::TopicInfo& info = *node::FindTopic(node::kJointState.name);
+    const auto idl = std::make_shared<recording::IdlSchema>(recording::IdlSchema::Parse(info.idl));
+    const recording::IdlType& type = idl->Struct(info.type_name);
+    const recording::CdrField stamp(type, "header.stamp_ns");
+    const recording::CdrField last(type, "last_tick");
+    node.ReadRaw(info, [live = shared_, idl, stamp, last](node::RawSample&& sample) {
+      node::HeadOfMessage head;
+      if (!node::PeekHead(sample.payload.data(), sample.payload.size(), &head)) return;
+      try {
+        const LiveTick tick{head.session_id, head.tick, stamp.AsInt(sample.payload),
+                            last.AsInt(sample.payload) != 0};
+        const std::lock_guard<std::mutex> lock(live->mutex);
+        live->ticks.push_back(tick);
+      } catch (const recording::CdrError&) {
+      }
+    });
+  }
+  // The oldest.
+  std::optional<LiveTick> TakeNext() {
+    const std::lock_guard<std::mutex> lock(shared_->mutex);
+    if (shared_->ticks.empty()) return std::nullopt;
+    const LiveTick tick = shared_->ticks.front();
+    shared_->ticks.pop_front();
+    return tick;
+  }
+
+ private:
+  struct Shared {
+    std::mutex mutex;
+    std::deque<LiveTick> ticks;
+  };
+  const std::shared_ptr<Shared> shared_ = std::make_shared<Shared>();
+};
 
 using Clock = std::chrono::steady_clock;
 using std::chrono::milliseconds;
