@@ -271,7 +271,7 @@ test('a hidden tab draws nothing, and what has changed when it is seen again', (
 
 // As much of a table as the page uses.
 class Cell {
-  constructor(tag) { Object.assign(this, { tag, cells: [], writes: 0, className: '', colSpan: 1 }); }
+  constructor(tag) { Object.assign(this, { tag, cells: [], writes: 0, className: '' }); }
   set textContent(text) { this.text = text; ++this.writes; }
   replaceChildren(...cells) { this.cells = cells; }
 }
@@ -288,12 +288,10 @@ test('a table leaves out columns that nothing fills, and writes only what has ch
   const table = new FakeTable();
   const head = ['name', 'a', 'b'];
   fill(table, head, [], 'nothing yet');
-  assert.deepEqual(table.texts, [head, ['nothing yet']]);
-  assert.equal(table.rows[1].cells[0].colSpan, 3);
+  assert.deepEqual(table.texts, [['name'], ['nothing yet']]);
   fill(table, head, [['x', ['1', 'number'], '-'], ['y', ['-', 'number bad'], '-']], '');
   assert.deepEqual(table.texts, [['name', 'a'], ['x', '1'], ['y', '-']]);
   assert.equal(table.rows[0].cells[1].className, 'number');
-  assert.equal(table.rows[1].cells[0].colSpan, 1);
   const before = table.writes;
   fill(table, head, [['x', ['1', 'number'], '-'], ['y', ['2', 'number'], '-']], '');
   assert.equal(table.writes, before + 1);

@@ -301,6 +301,7 @@ function showState() {
   if (info.robot) names = info.robot.driven.length === count ? info.robot.driven : info.robot.moving.length === count ? info.robot.moving : undefined;
   if ($('joint').length !== count && count > 0) {
     $('joint').replaceChildren(...Array.from({ length: count }, (_, i) => new Option(names?.[i] ?? `joint ${i}`, i)));
+    $('joint_label').hidden = false;
     if (checkJoint(asked_joint)) choose();
     $('joint').value = shown.joint;
   }

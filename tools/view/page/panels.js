@@ -35,9 +35,9 @@ const dimmed = (kind, old) => (old ? `${kind} old`.trim() : kind);
 // Whether a message is too old to be shown as what is now: behind the joint_state by its stamp.
 export const isOld = (state, message) => message !== undefined && (state.header.stamp_ns - message.header.stamp_ns) * 1e-9 > OLD_S;
 
-// Rows of [text, class] or text under a head. A column that nothing fills is left out; without rows there is one line.
+// Rows of [text, class] or text under a head. A column that nothing fills is left out; without rows there is one line, under the first head.
 export function fill(table, head, rows, empty) {
-  const kept = head.map((_, i) => i).filter((i) => i === 0 || rows.length === 0 || rows.some((row) => !['', NOTHING].includes(textOf(row[i]))));
+  const kept = head.map((_, i) => i).filter((i) => i === 0 || rows.some((row) => !['', NOTHING].includes(textOf(row[i]))));
   // A head stands over its column as the values do.
   const heads = kept.map((i) => [head[i], rows.length > 0 ? kindOf(rows[0][i]).split(' ').filter((word) => OF_HEAD.has(word)).join(' ') : '']);
   const lines = [heads, ...(rows.length > 0 ? rows.map((row) => kept.map((i) => row[i])) : [[[empty, 'empty']]])];
@@ -46,7 +46,6 @@ export function fill(table, head, rows, empty) {
     const row = table.rows[i] ?? table.insertRow();
     if (row.cells.length !== line.length) row.replaceChildren(...line.map(() => document.createElement(i === 0 ? 'th' : 'td')));
     line.forEach((value, j) => put(row.cells[j], value));
-    if (i > 0) row.cells[0].colSpan = rows.length === 0 ? heads.length : 1;
   });
 }
 
