@@ -6,7 +6,7 @@ import { test } from 'node:test';
 import { decode, getter, parseIdl } from '../../../tools/view/page/cdr.js';
 import { Events, Recorders, faultOf } from '../../../tools/view/page/events.js';
 import { Layouts, readAddress, writeAddress } from '../../../tools/view/page/layouts.js';
-import { rowsOf } from '../../../tools/view/page/marks.js';
+import { labelled, rowsOf } from '../../../tools/view/page/marks.js';
 import { distance, nearest, problemOf } from '../../../tools/view/page/names.js';
 import { stepOf } from '../../../tools/view/page/overview.js';
 import { joints, participants } from '../../../tools/view/page/panels.js';
@@ -154,6 +154,9 @@ test('a fault is said with its numbers where there is a limit', () => {
 test('labels of events do not lie over one another', () => {
   assert.deepEqual(rowsOf([[0, 50], [10, 50], [20, 50], [30, 50], [60, 50]], 200), [0, 1, 2, -1, 0]);
   assert.deepEqual(rowsOf([[190, 50]], 200), [-1], 'beyond the edge');
+  const events = Array.from({ length: 20 }, (_, i) => ({ label: 'x', kind: i === 7 ? 'bad' : 'good' }));
+  const rows = labelled(events, events.map((_, i) => [10 * i, 9]), 200);
+  assert.deepEqual(rows.map((row, i) => (row >= 0 ? i : -1)).filter((i) => i >= 0), [7], 'of many only what one must not miss');
 });
 
 test('a signal that is added begins with its past, of its session only and of no more than is kept', () => {

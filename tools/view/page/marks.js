@@ -2,6 +2,7 @@
 
 const FONT_PX = 10;
 const ROWS = 3;    // of labels: those that do not fit into them are left out, their lines are not
+const MANY = 12;   // events in view: of more only those that one must not miss have their labels
 const GAP_PX = 5;  // height of the red at the lower edge
 const LEAST_PX = 2;
 
@@ -17,6 +18,13 @@ export function rowsOf(places, right, rows = ROWS) {
     if (row >= 0) ends[row] = at + width;
     return row;
   });
+}
+
+// The rows of the labels of events; -1: it has none.
+export function labelled(events, places, right, rows = ROWS) {
+  const has = events.map(({ label, kind }) => label !== '' && (events.length <= MANY || kind === 'bad' || kind === 'note'));
+  const given = rowsOf(places.filter((_, i) => has[i]), right, rows);
+  return has.map((one) => (one ? given.shift() : -1));
 }
 
 // events: [{time_s, label, kind}], by time.
@@ -35,7 +43,7 @@ export function drawEvents(uplot, events) {
   const widths = seen.map(({ label }) => ctx.measureText(label).width + 6 * ratio);
   // A label that would be cut at the right edge stands on the left of its line.
   const places = at.map((x, i) => [x + widths[i] > left + width ? Math.max(x - widths[i], left) : x, widths[i]]);
-  const rows = rowsOf(places, left + width + 1);
+  const rows = labelled(seen, places, left + width + 1);
   seen.forEach(({ kind }, i) => {
     ctx.strokeStyle = colourOf(kind);
     ctx.lineWidth = ratio;
@@ -47,7 +55,7 @@ export function drawEvents(uplot, events) {
   });
   // Above the lines of all.
   seen.forEach(({ label, kind }, i) => {
-    if (!label || rows[i] < 0) return;
+    if (rows[i] < 0) return;
     const y = top + (2 + rows[i] * (FONT_PX + 3)) * ratio;
     ctx.fillStyle = css('--card');
     ctx.globalAlpha = 0.8;

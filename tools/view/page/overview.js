@@ -1,7 +1,7 @@
 // The whole length of a recording in one strip: position of the joint that is chosen, events, the window of the plots, the
 // moment. A click, or a drag, goes there.
 
-import { colourOf, rowsOf } from './marks.js';
+import { colourOf, labelled } from './marks.js';
 import { COLUMNS } from './survey.js';
 
 const FONT_PX = 10;
@@ -119,7 +119,7 @@ export class Overview {
     c.textBaseline = 'top';
     const widths = events.map(({ label }) => c.measureText(label).width + 6);
     const places = events.map(({ time_s }, i) => [at(time_s) + widths[i] > width ? Math.max(at(time_s) - widths[i], 0) : at(time_s), widths[i]]);
-    const rows = rowsOf(places, width + 1, LABEL_ROWS);
+    const rows = labelled(events, places, width + 1, LABEL_ROWS);
     for (const { time_s, kind } of events) {
       c.fillStyle = colourOf(kind);
       c.fillRect(at(time_s) - 0.5, 0, 1, height - BASE_PX);
