@@ -10,13 +10,13 @@ import { labelled, rowsOf } from '../../../tools/view/page/marks.js';
 import { distance, nearest, problemOf } from '../../../tools/view/page/names.js';
 import { stepOf } from '../../../tools/view/page/overview.js';
 import { joints, participants } from '../../../tools/view/page/panels.js';
-import { Past } from '../../../tools/view/page/past.js';
+import { MOST_BYTES, Past } from '../../../tools/view/page/past.js';
 import { Recording } from '../../../tools/view/page/recording.js';
 import { PlotData, Table } from '../../../tools/view/page/series.js';
-import { COLUMNS, Survey } from '../../../tools/view/page/survey.js';
-import { Timeline } from '../../../tools/view/page/timeline.js';
+import { COLUMNS, MOST_TICKS, SAMPLES, Survey } from '../../../tools/view/page/survey.js';
+import { SPEEDS, Timeline } from '../../../tools/view/page/timeline.js';
 import { Topics } from '../../../tools/view/page/topics.js';
-import { commonUnit, unitOf, widened } from '../../../tools/view/page/units.js';
+import { commonUnit, leastRange, unitOf, widened } from '../../../tools/view/page/units.js';
 
 const lines = readFileSync(process.env.SINEW_EXPECTED, 'utf8').trim().split('\n').map((line) => JSON.parse(line));
 const lineOf = (topic) => lines.find((line) => line.topic === topic);
@@ -381,4 +381,10 @@ test('keys and speed move through a recording', () => {
   assert.equal(recording.playing, false);
   timeline.setSpeed(3);
   assert.ok(parts.get('#speed').children.some(({ text }) => text === '3 x'), 'of a link');
+});
+
+test('limits that the page of the docs states are those of the code', () => {
+  const text = readFileSync(new URL('../../../docs/participants/view.md', import.meta.url), 'utf8').replace(/\s+/g, ' ');
+  for (const limit of [`up to ${MOST_BYTES >> 20} MiB`, `more than ${String(MOST_TICKS).replace(/(\d{3})$/, ' $1')} ticks`, `at ${SAMPLES} moments`,
+    `${SPEEDS[0]} to ${SPEEDS.at(-1)} times as fast`, `${leastRange('rad')} rad)`]) assert.ok(text.includes(limit), limit);
 });

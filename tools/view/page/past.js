@@ -1,6 +1,6 @@
 // Messages that came, so that a signal that is added begins with its past. Bounded: the oldest go, of whatever topic.
 
-const MOST_BYTES = 96 << 20;  // 40 s of all topics of the rig
+export const MOST_BYTES = 96 << 20;  // 40 s of all topics of the rig
 const OF_EACH_BYTES = 120;  // what a message costs beside its payload
 const TIDY = 4096;  // messages that are gone before their places are given back
 

@@ -8,8 +8,8 @@ import { decode, getter } from './cdr.js';
 import { Events } from './events.js';
 
 const PIECE_TICKS = 6000;
-const MOST_TICKS = 150000;  // 10 minutes at 240 Hz; about 100 MB
-const SAMPLES = 400;        // of a longer session
+export const MOST_TICKS = 150000;  // 10 minutes at 240 Hz; about 100 MB
+export const SAMPLES = 400;        // of a longer session
 const TICKS_OF_SAMPLE = 3;
 const HALVINGS = 20;
 export const COLUMNS = 800;
