@@ -28,7 +28,7 @@ const CONFIRM_MS = 3000;
 // Read for the tables, beside what is plotted.
 const SHOWN = ['joint_state', 'actuator_state', 'regime', 'residual', 'torque_prediction', 'bus_status', 'sim_body_truth'];
 // Kept, though not plotted, so that a signal that is added begins with its past; the others are large or no rows.
-const NO_PAST = new Set(['component_snapshot', 'component_status', 'reservoir_state']);
+const NO_PAST = new Set(['component_snapshot', 'component_status', 'log', 'reservoir_state']);
 const ADDRESS_MS = 500;  // browsers take 100 addresses in 30 s
 const NOTED_TWICE_S = 5;  // a recorder of this page is heard of twice
 // key (in the address), title, numbers of the joint that is chosen; ' - ' between two: their difference.
@@ -70,7 +70,6 @@ let timeline;
 let survey;
 let overview;
 let robot;
-let menu;
 let names;
 let extras = [];
 let reported = '';
@@ -486,7 +485,7 @@ async function start() {
       choose();
     } });
   }
-  menu = new LayoutMenu($('layouts'), layouts, DEFAULT_PLOTS.map(([key, title]) => ({ key, title: title.split(':')[0] })),
+  new LayoutMenu($('layouts'), layouts, DEFAULT_PLOTS.map(([key, title]) => ({ key, title: title.split(':')[0] })),
     { shown: () => shown, apply, say: refuse });
   plots.on_change = () => {
     const paused = plots.paused !== undefined;
