@@ -2,40 +2,61 @@
 // second (frames.js).
 
 import { Connection } from './connection.js';
+import { Events, Recorders, SOURCES, faultOf } from './events.js';
 import { Frames } from './frames.js';
+import { Layouts, DEFAULT, readAddress, writeAddress } from './layouts.js';
+import { LayoutMenu } from './layout_menu.js';
 import { Log } from './log.js';
+import { problemOf } from './names.js';
+import { Overview } from './overview.js';
+import { Past } from './past.js';
 import { Topics } from './topics.js';
 import { Plots } from './plots.js';
 import { Recording } from './recording.js';
+import { Survey } from './survey.js';
 import { Timeline } from './timeline.js';
+import { MINUS, partsOf, unitOf } from './units.js';
 import * as panels from './panels.js';
 
 // Shares of the time: of one core all drawing together takes no more than half.
 const PLOTS = { least_ms: 50, share: 0.25 };
 const ROBOT = { least_ms: 1000 / 15, most_ms: 3000, share: 0.2, heavy: true };
+const OVERVIEW = { least_ms: 66, share: 0.1 };
 const TABLES = { least_ms: 250, share: 0.05 };
 const PLAY_MS = 50;
 const STATUS_MS = 1000;
 const CONFIRM_MS = 3000;
 // Read for the tables, beside what is plotted.
 const SHOWN = ['joint_state', 'actuator_state', 'regime', 'residual', 'torque_prediction', 'bus_status', 'sim_body_truth'];
+// Kept, though not plotted, so that a signal that is added begins with its past; the others are large or no rows.
+const NO_PAST = new Set(['component_snapshot', 'component_status', 'log', 'reservoir_state']);
+const ADDRESS_MS = 500;  // browsers take 100 addresses in 30 s
+const NOTED_TWICE_S = 5;  // a recorder of this page is heard of twice
+// key (in the address), title, numbers of the joint that is chosen; ' - ' between two: their difference.
 const DEFAULT_PLOTS = [
-  ['Position', 'rad (m)', ['reference.position_rad', 'joint_state.position_rad']],
-  ['Torque: computed from the current, and predicted', 'Nm (N)', ['joint_state.torque_Nm', 'torque_prediction.torque_Nm']],
-  ['Chamber pressure', 'bar', ['pneumatic_state.target_pressure_bar', 'actuator_state.chamber_pressure_bar']],
-  ['Residual of the model', 'Nm (N)', ['residual.residual_Nm']],
+  ['position', 'Position', ['reference.position_rad', 'joint_state.position_rad']],
+  ['error', 'Error: reference minus measured', [`reference.position_rad${MINUS}joint_state.position_rad`]],
+  ['torque', 'Torque: computed from the current, and predicted', ['joint_state.torque_Nm', 'torque_prediction.torque_Nm']],
+  ['pressure', 'Chamber pressure', ['pneumatic_state.target_pressure_bar', 'actuator_state.chamber_pressure_bar']],
+  ['residual', 'Residual of the model', ['residual.residual_Nm']],
 ];
+const OLD_PICTURE_S = 1;
+const UNITS_OF_PLOT = 2;
 
 const $ = (id) => document.getElementById(id);
 const given = document.querySelector('meta[name=sinew-token]').content;
 const token = given || new URLSearchParams(location.hash.slice(1)).get('token') || '';
 
 const frames = new Frames();
-const topics = new Topics();
+const topics = new Topics(new Past());
+const events = new Events();
+const recorders = new Recorders();
+const layouts = new Layouts(storage());
 const drawing = {
   play: frames.add({ least_ms: PLAY_MS, share: 1, draw: playOn }),  // first: the others show the moment that it makes
   plots: frames.add({ ...PLOTS, draw: () => plots.draw() }),
   robot: frames.add({ ...ROBOT, draw: drawRobot }),
+  overview: frames.add({ ...OVERVIEW, draw: drawOverview }),
   tables: frames.add({ ...TABLES, draw: showTables }),
 };
 const want = (job) => frames.want(job);
@@ -48,12 +69,26 @@ let connection;
 let connected = 'connecting';
 let recording;
 let timeline;
+let survey;
+let overview;
 let robot;
-let joint = 0;
 let names;
-let extra;
+let extras = [];
 let reported = '';
-const chosen = [];
+let came_ms;  // when the newest joint_state came
+let noted_ns = -Infinity;
+let asked_joint = false;  // by the address: it is to be there
+const shown = { ...DEFAULT, signals: [], hide: [] };  // layouts.js
+const refused = [];
+
+// Not every page has one: a browser may refuse it.
+function storage() {
+  try {
+    return window.localStorage;
+  } catch {
+    return undefined;
+  }
+}
 
 function put(id, text) {
   if ($(id).textContent !== text) $(id).textContent = text;
@@ -88,43 +123,113 @@ function confirmed(button, path) {
   });
 }
 
-function signalOf(topic_path) { return `${topic_path}[${joint}]`; }
+function signalOf(topic_path) { return partsOf(topic_path).map((part) => `${part}[${shown.joint}]`).join(MINUS); }
 
-function has(signal) { return topics.topics.has(signal.slice(0, signal.indexOf('.'))); }
+const topicOf = (signal) => signal.slice(0, signal.indexOf('.'));
+const kinds = () => topics.newest('joint_state')?.joint_kind;
 
+// What is wrong is said until somebody takes it away; nothing of it is kept.
+function refuse(problem) {
+  if (!refused.includes(problem)) refused.push(problem);
+  showRefused();
+}
+
+function showRefused() {
+  $('refused').hidden = refused.length === 0;
+  $('refused_list').replaceChildren(...refused.map((problem) => Object.assign(document.createElement('li'), { textContent: problem })));
+}
+
+// Takes away what is chosen and cannot be plotted, when the topics are known.
+function checkChosen() {
+  if (topics.topics.size === 0) return;
+  for (const signal of [...shown.signals]) {
+    const problem = problemOf(signal, topics.topics);
+    if (!problem) continue;
+    shown.signals.splice(shown.signals.indexOf(signal), 1);
+    refuse(`'${signal}': ${problem}`);
+  }
+  for (const key of [...shown.hide]) {
+    if (DEFAULT_PLOTS.some(([other]) => other === key)) continue;
+    shown.hide.splice(shown.hide.indexOf(key), 1);
+    refuse(`hide=${key}: no such plot; there are ${DEFAULT_PLOTS.map(([other]) => other).join(', ')}`);
+  }
+}
+
+// The plots of the page that are not hidden, and their signals whose topics are there.
 function wanted() {
-  const all = [...DEFAULT_PLOTS.flatMap(([, , list]) => list.map(signalOf)), ...chosen];
-  return all.filter(has);
+  const own = DEFAULT_PLOTS.filter(([key]) => !shown.hide.includes(key)).flatMap(([, , list]) => list.map(signalOf));
+  return [...own.filter((signal) => partsOf(signal).every((part) => topics.topics.has(topicOf(part)))), ...shown.signals];
 }
 
 // Columns for what is plotted now, subscriptions, and the plots themselves.
 function choose() {
-  const signals = new Set(wanted());
+  checkChosen();
+  const signals = new Set(topics.topics.size === 0 ? [] : wanted().flatMap(partsOf));
   for (const old of [...topics.table.columns.keys()]) if (!signals.has(old)) topics.unplot(old);
-  for (const signal of signals) {
-    try {
-      topics.plot(signal);
-    } catch (error) {
-      say(error.message);
-      const at = chosen.indexOf(signal);
-      if (at >= 0) chosen.splice(at, 1);
-    }
-  }
-  const read = [...SHOWN, ...[...signals].map((signal) => signal.slice(0, signal.indexOf('.')))];
-  connection?.subscribe(read);
+  for (const signal of signals) topics.plot(signal);
+  const read = [...SHOWN, ...SOURCES, ...[...signals].map(topicOf)];
+  connection?.subscribe([...read, ...[...topics.topics.keys()].filter((name) => !NO_PAST.has(name))]);
   recording?.want(read);
   if (recording) refreshRecording();
   arrange();
+  changed();
   want(drawing.plots);
+  want(drawing.overview);
 }
 
-// A plot is shown when one of its signals comes.
+// A plot is shown when one of its signals comes. The other signals: plots of two units at most.
 function arrange() {
-  DEFAULT_PLOTS.forEach(([, , list], i) => {
-    const here = list.map(signalOf).filter((signal) => topics.topics.get(signal.slice(0, signal.indexOf('.')))?.received > 0);
-    plots.list[i].show(here);
+  const of = kinds();
+  const come = (signal) => partsOf(signal).every((part) => topics.topics.get(topicOf(part))?.received > 0);
+  DEFAULT_PLOTS.forEach(([key, , list], i) => {
+    const here = shown.hide.includes(key) ? [] : list.map(signalOf).filter(come);
+    plots.list[i].show(here, here.map((signal) => unitOf(signal, of)));
   });
-  extra.show(chosen.filter((signal) => topics.table.columns.has(signal)));
+  const units = [...new Set(shown.signals.map((signal) => unitOf(signal, of)))];
+  const there = shown.signals.filter((signal) => topics.table.sources(signal));
+  for (let i = 0; i < Math.max(extras.length, Math.ceil(units.length / UNITS_OF_PLOT)); ++i) {
+    extras[i] ??= plots.add('More signals', { on_remove: removeSignal });
+    const own = units.slice(UNITS_OF_PLOT * i, UNITS_OF_PLOT * (i + 1));
+    const here = there.filter((signal) => own.includes(unitOf(signal, of)));
+    extras[i].show(here, here.map((signal) => unitOf(signal, of)));
+  }
+}
+
+function removeSignal(signal) {
+  shown.signals.splice(shown.signals.indexOf(signal), 1);
+  choose();
+}
+
+function addSignal(signal) {
+  if (!signal || shown.signals.includes(signal)) return;
+  refused.length = 0;
+  showRefused();
+  shown.signals.push(signal);
+  choose();
+}
+
+// Shows what a layout has.
+function apply(layout) {
+  Object.assign(shown, { ...layout, signals: [...layout.signals], hide: [...layout.hide] });
+  refused.length = 0;
+  showRefused();
+  checkJoint(true);
+  plots.window_s = shown.window_s;
+  $('window').value = shown.window_s;
+  $('joint').value = shown.joint;
+  plots.zoom();
+  choose();
+}
+
+// The address says what is shown, soon.
+let writing;
+function changed() {
+  writing ??= setTimeout(() => {
+    writing = undefined;
+    const place = recording ? { session: recording.session, at_s: recording.at_s, speed: recording.speed } : {};
+    const search = writeAddress({ ...shown, ...place, configured: info.signals.length > 0 });
+    if (search !== location.search) history.replaceState(null, '', `${location.pathname}${search}${location.hash}`);
+  }, ADDRESS_MS);
 }
 
 function offerSignals() {
@@ -141,9 +246,20 @@ function addChannels(channels) {
   choose();
 }
 
+// A session of the robot begins.
+function restarted() {
+  plots.restart();
+  events.restart();
+}
+
 function onMessage(topic, view) {
   const begin = performance.now();
-  if (topics.take(topic, view)) plots.restart();
+  if (topics.take(topic, view)) restarted();
+  const { type, newest } = topics.topics.get(topic) ?? {};
+  if (newest === view) {
+    events.take(topic, type, view);
+    if (topic === 'joint_state') came_ms = begin;
+  }
   if (plots.follows) want(drawing.plots);
   if (robot) want(drawing.robot);
   want(drawing.tables);
@@ -158,10 +274,13 @@ function waiting() {
 
 const hasFault = state => (state?.fault?.cause ?? 'FAULT_NONE') !== 'FAULT_NONE';
 
-// Of a recording, where nobody says what to do.
-function faultOf({ fault }) {
-  const numbers = fault.value === fault.limit ? '' : `: ${+fault.value.toPrecision(4)}, limit ${+fault.limit.toPrecision(4)}`;
-  return `${fault.joint === 255 ? '' : `joint ${fault.joint}: `}${fault.cause.replace('FAULT_', '').replaceAll('_', ' ').toLowerCase()}${numbers}`;
+// A joint that the robot does not have is not shown. True: another one is.
+function checkJoint(asked) {
+  const count = $('joint').length;
+  if (count === 0 || shown.joint < count) return false;
+  if (asked) refuse(`joint ${shown.joint}: the robot has ${count === 1 ? 'joint 0 only' : `joints 0 to ${count - 1}`}; joint 0 is shown`);
+  shown.joint = 0;
+  return true;
 }
 
 function showState() {
@@ -175,7 +294,7 @@ function showState() {
   if (fresh && hasFault(state)) parts.push(live && status.fault ? status.fault : faultOf(state));
   if (live && !fresh && connected === 'connected') parts.push(waiting());
   if (state) parts.push(`tick ${state.header.tick}`, state.header.origin.replace('ORIGIN_', '').toLowerCase());
-  if (live && topics.lost > 0) parts.push(`${topics.lost} ticks missing`);
+  put('missing', live && topics.lost > 0 ? `${topics.lost} ticks missing` : '');
   if (live && topics.sessions > 1) parts.push(`${topics.sessions} sessions`);
   if (recording) parts.push(recording.file.split('/').at(-1));
   put('facts', parts.join(', '));
@@ -183,14 +302,19 @@ function showState() {
   if (info.robot) names = info.robot.driven.length === count ? info.robot.driven : info.robot.moving.length === count ? info.robot.moving : undefined;
   if ($('joint').length !== count && count > 0) {
     $('joint').replaceChildren(...Array.from({ length: count }, (_, i) => new Option(names?.[i] ?? `joint ${i}`, i)));
-    $('joint').value = joint;
+    $('joint_label').hidden = false;
+    if (checkJoint(asked_joint)) choose();
+    $('joint').value = shown.joint;
   }
 }
 
 function showTables() {
   showState();
   arrange();
-  panels.joints($('joints'), topics, names);
+  plots.forgetZoom();
+  const age_s = recording || came_ms === undefined ? 0 : (performance.now() - came_ms) / 1000;
+  panels.joints($('joints'), topics, names, age_s);
+  $('scene').classList.toggle('old', age_s > OLD_PICTURE_S);
   panels.buses($('buses'), topics.newest('bus_status'));
   if (recording) askMoment();
   log.show($('log'), $('log_name'));
@@ -218,14 +342,26 @@ function showStatus() {
   else if (reported.endsWith('not confirmed yet')) say('');
 }
 
+// A recording has begun, of this page or of another logger: a mark at the newest tick.
+function noteRecording(own) {
+  const [name] = recorders.begun(status);
+  const { stamp_ns } = events;
+  if ((!own && name === undefined) || stamp_ns === undefined || (stamp_ns - noted_ns) * 1e-9 < NOTED_TWICE_S) return;
+  noted_ns = stamp_ns;
+  events.note(stamp_ns, 'recording started', 'note');
+  want(drawing.plots);
+}
+
 async function readStatus() {
   readLog();
   try {
     const reply = await fetch('/api/status', { headers: { 'X-Sinew-Token': token } });
     const next = await reply.json();
     if (next.participants) {
+      const recorded = status?.recording?.running;
       status = next;
       showStatus();
+      noteRecording(recorded === false && status.recording.running);
     }
   } catch {
     status = undefined;
@@ -242,7 +378,7 @@ async function readLog() {
   }
 }
 
-async function showRecording(query) {
+async function showRecording(place) {
   const reply = await fetch('/api/recording');
   if (!reply.ok) throw new Error(await reply.text());
   const described = await reply.json();
@@ -253,21 +389,31 @@ async function showRecording(query) {
   $('facts').title = recording.file;
   $('participants_card').hidden = !recording.has_participants;
   $('log_card').hidden = !recording.has_log;
-  timeline = new Timeline(recording, $('timeline'), { on_move: moved, on_session: () => plots.restart() });
-  const asked = query.get('session');
-  const there = asked === null || (Number(asked) >= 1 && Number(asked) <= recording.sessions.length && Number.isInteger(Number(asked)));
-  if (!there) say(`session=${asked}: the recording has 1 to ${recording.sessions.length}; the first one is shown`);
-  const at = query.get('at');
-  const session = there && asked !== null ? Number(asked) : 1;
-  timeline.select(session, at === null || Number.isNaN(Number(at)) ? plots.window_s : Number(at));
-  addChannels(described.topics);
+  topics.past = undefined;  // the recording has it
+  survey = new Survey(recording, topics, () => { want(drawing.overview); want(drawing.plots); });
+  overview = new Overview($('overview'), recording, survey, { on_pick: (time_s) => timeline.move(time_s), want: () => want(drawing.overview) });
+  plots.marks = (start_ns) => survey.events.marks(start_ns);
+  timeline = new Timeline(recording, $('timeline'), { on_move: moved, on_session: surveyed });
+  const there = place.session === undefined || place.session <= recording.sessions.length;
+  if (!there) refuse(`session=${place.session}: the recording has 1 to ${recording.sessions.length}; the first one is shown`);
+  for (const topic of described.topics) topics.add(topic.topic, topic.schemaName, topic.schema);
+  timeline.setSpeed(place.speed ?? 1);
+  timeline.select(there ? place.session ?? 1 : 1, place.at_s ?? plots.window_s);
+  if (place.at_s < 0 || place.at_s > recording.length_s) refuse(`at=${place.at_s}: the session has 0 to ${recording.length_s.toFixed(2)} s`);
+  addChannels([]);
+}
+
+function surveyed() {
+  plots.restart();
+  survey.run().catch((error) => say(error.message));
 }
 
 // The moment of the recording, or its session, has changed.
 function moved() {
   plots.at_s = recording.at_s;
-  if (plots.zoomed) plots.zoom();
+  if (plots.zoomed && (recording.at_s < plots.zoomed[0] || recording.at_s > plots.zoomed[1])) plots.zoom();
   recording.show();
+  changed();
   refreshRecording();
   for (const job of Object.values(drawing)) want(job);
 }
@@ -279,7 +425,7 @@ function playOn(now_ms) {
 
 async function refreshRecording() {
   try {
-    while (await recording.load(plots.window_s)) {
+    while (await recording.load(plots.window_s, plots.zoomed?.[1])) {
       for (const job of Object.values(drawing)) want(job);
     }
   } catch (error) {
@@ -302,14 +448,30 @@ async function startRobot() {
   const reply = await fetch('/robot.urdf');
   if (!reply.ok) return;
   const { RobotView } = await import('./robot.js');
-  $('scene').replaceChildren();
+  $('scene').querySelector('.empty')?.remove();
   try {
+    $('camera').hidden = false;
     robot = new RobotView($('scene'), await reply.text(), info.robot, () => want(drawing.robot));
     want(drawing.robot);
   } catch (error) {
-    $('scene').innerHTML = '<p class="empty"></p>';
-    $('scene').firstChild.textContent = `The robot cannot be drawn: ${error.message}`;
+    $('camera').hidden = true;
+    $('scene').append(Object.assign(document.createElement('p'), { className: 'empty', textContent: `The robot cannot be drawn: ${error.message}` }));
   }
+}
+
+function drawOverview() {
+  if (!overview) return false;
+  overview.joint = shown.joint;
+  overview.span = plots.span(plots.table);
+  return overview.draw();
+}
+
+// Keys of the page, where nobody types.
+function onKey(event) {
+  if (event.ctrlKey || event.altKey || event.metaKey || event.target.closest?.('input, select, textarea, button, summary, [contenteditable]')) return;
+  if (event.key === 'r' && robot) robot.resetCamera();
+  else if (!timeline?.key(event.key, event.shiftKey)) return;
+  event.preventDefault();
 }
 
 function drawRobot() {
@@ -323,23 +485,41 @@ async function start() {
   document.title = info.domain === null ? 'Sinew, a recording' : `Sinew, domain ${info.domain}`;
   $('title').textContent = document.title;
   $('arm').hidden = $('reset').hidden = !info.allow_arming;
-  const query = new URLSearchParams(location.search);
-  const asked = query.get('signals');
-  joint = Math.max(0, Math.trunc(Number(query.get('joint') ?? 0)) || 0);
-  chosen.push(...(asked ? asked.split(',') : info.signals));
-  for (const [title, unit] of DEFAULT_PLOTS) plots.add(title, unit);
-  extra = plots.add('More signals', '', (signal) => {
-    chosen.splice(chosen.indexOf(signal), 1);
-    choose();
-  });
+  const { shown: place, problems } = readAddress(location.search);
+  for (const problem of problems) refuse(problem);
+  for (const key of ['joint', 'window_s', 'hide']) if (place[key] !== undefined) shown[key] = place[key];
+  asked_joint = place.joint !== undefined;
+  shown.signals = [...new Set(place.signals ?? info.signals)];
+  plots.window_s = shown.window_s;
+  $('window').value = shown.window_s;
+  plots.marks = (start_ns) => events.marks(start_ns);
+  for (const [key, title] of DEFAULT_PLOTS) {
+    plots.add(title, { on_hide: () => {
+      shown.hide.push(key);
+      choose();
+    } });
+  }
+  new LayoutMenu($('layouts'), layouts, DEFAULT_PLOTS.map(([key, title]) => ({ key, title: title.split(':')[0] })),
+    { shown: () => shown, apply, say: refuse });
   plots.on_change = () => {
     const paused = plots.paused !== undefined;
     $('pause').classList.toggle('on', paused);
     $('pause').textContent = paused ? 'Go on' : 'Pause';
+    $('unzoom').hidden = !plots.zoomed;
+    want(drawing.overview);
   };
+  $('unzoom').addEventListener('click', () => plots.zoom());
+  $('refused_close').addEventListener('click', () => {
+    refused.length = 0;
+    showRefused();
+  });
+  $('camera').addEventListener('click', () => robot?.resetCamera());
+  document.addEventListener('keydown', onKey);
+  // A list that was used keeps no keys.
+  for (const list of document.querySelectorAll('select')) list.addEventListener('change', () => list.blur());
   $('pause').addEventListener('click', () => plots.pause(plots.paused === undefined));
   $('joint').addEventListener('change', () => {
-    joint = Number($('joint').value);
+    shown.joint = Number($('joint').value);
     choose();
   });
   for (const id of ['log_level', 'log_name']) {
@@ -349,17 +529,15 @@ async function start() {
     });
   }
   $('window').addEventListener('change', () => {
-    plots.window_s = Number($('window').value);
+    plots.window_s = shown.window_s = Number($('window').value);
     plots.zoom();
+    changed();
     if (recording) refreshRecording();
   });
   $('signal').addEventListener('change', () => {
     const signal = $('signal').value.trim();
     $('signal').value = '';
-    if (!signal || chosen.includes(signal)) return;
-    say('');
-    chosen.push(signal);
-    choose();
+    addSignal(signal);
   });
   $('estop').addEventListener('click', () => command('estop'));
   $('disarm').addEventListener('click', () => command('disarm'));
@@ -367,7 +545,7 @@ async function start() {
   confirmed($('reset'), 'reset');
   $('record').addEventListener('click', () => command(status?.recording.running ? 'record/stop' : 'record/start'));
   if (info.mode === 'recording') {
-    await showRecording(query);
+    await showRecording(place);
   } else {
     connection = new Connection(`ws://${location.host}/?token=${token}`, {
       advertise: addChannels,
@@ -386,7 +564,7 @@ document.addEventListener('visibilitychange', () => frames.hide(document.hidden)
 
 // For tests and for whoever wants to know: what the page costs and what it missed.
 window.sinew = {
-  topics, plots,
+  topics, plots, events, shown, refused, timeline: () => timeline, survey: () => survey,
   figures: () => ({
     seconds: (performance.now() - figures.began_ms) / 1000, received: figures.received, samples: topics.samples, lost: topics.lost,
     message_ms: figures.message_ms, plot_ms: plots.task_ms, plot_draws: plots.draws, plot_cost_ms: drawing.plots.cost_ms,

@@ -1,11 +1,14 @@
 // Plots of signals over time (uPlot), with one cursor for all, zoom and pause.
 //
-// Drag in a plot: zoom, which pauses; double click: all of the window again. While paused the data go on coming. A plot
-// that is scrolled out of the window is not drawn.
+// Drag in a plot: zoom; double click: all of the window again. A zoom that ends at the newest data moves on with them; another
+// one stays, until its data are gone. Only `Pause` pauses, and the data go on coming meanwhile. A plot that is scrolled out
+// of the window is not drawn.
 
 import uPlot from './vendor/uPlot.esm.js';
 import { watchVisibility } from './frames.js';
+import { drawEvents, drawGaps } from './marks.js';
 import { PlotData } from './series.js';
+import { widened } from './units.js';
 
 const COLOURS = ['#3987e5', '#e8833a', '#3aa757', '#c94f7c', '#8e6bd8', '#23a6a6', '#b58a00', '#d9534f', '#6b7f95', '#7cb342'];
 const LEAST_HEIGHT = 150;
@@ -15,12 +18,18 @@ const LINE = 1;  // pixels: wider lines cost several times as much without a GPU
 const DOT = 1.5;
 const RANGE_PART = 0.1;  // of the values' range, left above and below them
 const LEAST_SPAN_S = 0.01;  // at the beginning of a recording
+const AT_END = 0.02;  // of the span: a zoom that ends so near to the newest data moves on with them
+const SCALES = ['y', 'y2'];  // the axes on the left and on the right, a unit each
+const LETTER = 6.6;    // pixels of a digit
+const AXIS_FREE = 17;  // beside the numbers
+const NARROW = 520;  // pixels: axes of a plot that is narrower take less of it
 
 const css = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 
-// Of the axis, for values from least to greatest (NaN: there are none): a line that is flat lies in the middle.
-function rangeOf(least, greatest) {
-  if (Number.isNaN(least)) return [0, 1];
+// Of the axis, for values of a unit from least to greatest (undefined: there are none): a line that is flat lies in the middle.
+function rangeOf(values, unit) {
+  if (!values) return [0, 1];
+  const [least, greatest] = widened(...values, unit);
   if (least < greatest) return uPlot.rangeNum(least, greatest, RANGE_PART, true);
   const around = RANGE_PART * Math.abs(least) || 1;
   return [least - around, least + around];
@@ -30,7 +39,8 @@ function rangeOf(least, greatest) {
 function linePath(plot, index, first, last) {
   const [times] = plot.data;
   const values = plot.data[index];
-  const { x, y } = plot.scales;
+  const { x } = plot.scales;
+  const y = plot.scales[plot.series[index].scale];
   const { left, top, width, height } = plot.bbox;
   const per_x = width / (x.max - x.min);
   const per_y = height / (y.max - y.min);
@@ -57,15 +67,19 @@ function linePath(plot, index, first, last) {
 
 class Plot {
   // want(): it is to be drawn again.
-  constructor(parent, title, unit, { on_zoom, on_remove, want }) {
+  // on_remove(signal): a click on its label; on_hide(): its button.
+  constructor(parent, title, { on_zoom, on_remove, on_hide, want, decorate }) {
     this.title = title;
-    this.unit = unit;
     this.signals = [];
+    this.units = [];  // of the signals
+    this.axes = [];   // units of the axes, left and right
     this.on_zoom = on_zoom;
     this.on_remove = on_remove;
+    this.on_hide = on_hide;
+    this.decorate = decorate;
     this.want = want;
     this.read = new PlotData();
-    this.range = [0, 1];
+    this.ranges = [[0, 1], [0, 1]];
     this.height = LEAST_HEIGHT;
     this.visible = true;
     this.element = document.createElement('section');
@@ -78,11 +92,33 @@ class Plot {
     });
   }
 
-  show(signals) {
-    if (signals.join() === this.signals.join()) return;
+  // units: of each signal; two different ones at most.
+  show(signals, units) {
+    if (signals.join() === this.signals.join() && units.join() === this.units.join()) return;
     this.signals = [...signals];
+    this.units = [...units];
+    this.axes = [...new Set(units)].slice(0, SCALES.length);
     this.make();
     this.want();
+  }
+
+  axisOf(i) { return Math.max(this.axes.indexOf(this.units[i]), 0); }
+
+  heading() {
+    const bar = document.createElement('div');
+    bar.className = 'plot_head';
+    const heading = document.createElement('h3');
+    const [left, right] = this.axes;
+    const units = this.axes.length < 2 ? left : `${left || 'number'} (left), ${right || 'number'} (right)`;
+    heading.textContent = units ? `${this.title}, ${units}` : this.title;
+    bar.append(heading);
+    if (this.on_hide) {
+      const button = Object.assign(document.createElement('button'), { className: 'hide', textContent: '\u00d7', title: 'hide this plot' });
+      button.setAttribute('aria-label', `hide ${this.title}`);
+      button.addEventListener('click', () => this.on_hide());
+      bar.append(button);
+    }
+    return bar;
   }
 
   make() {
@@ -91,10 +127,15 @@ class Plot {
     this.element.replaceChildren();
     this.element.hidden = this.signals.length === 0;
     if (this.signals.length === 0) return;
-    const heading = document.createElement('h3');
-    heading.textContent = this.unit ? `${this.title}, ${this.unit}` : this.title;
-    this.element.append(heading);
-    const axis = { stroke: css('--quiet'), grid: { stroke: css('--line'), width: 1 }, ticks: { stroke: css('--line'), width: 1 }, font: '11px system-ui' };
+    this.element.append(this.heading());
+    this.narrow = this.width() < NARROW;
+    const line = { stroke: css('--line'), width: 1 };
+    const axis = { stroke: css('--quiet'), grid: line, ticks: line, font: '11px system-ui' };
+    const numbers = (plot, ticks) => ticks.map((tick) => Number(tick.toPrecision(DIGITS)).toString());
+    // As wide as its numbers; the least is that of most plots, so that they stand under one another.
+    const width = (plot, values) => Math.max(this.narrow ? 38 : 62, AXIS_FREE + LETTER * Math.max(0, ...(values ?? []).map((text) => text.length)));
+    const sides = this.axes.map((_, i) => ({ ...axis, scale: SCALES[i], side: i === 0 ? 3 : 1, size: width, values: numbers,
+      grid: i === 0 ? line : { show: false } }));
     const value = (plot, number) => (Number.isFinite(number) ? Number(number.toPrecision(DIGITS)).toString() : '');
     const there = (plot, series, i) => (Number.isFinite(plot.data[series][i]) ? i : null);
     this.uplot = new uPlot({
@@ -103,10 +144,11 @@ class Plot {
       select: { show: true },
       legend: { live: true, isolate: false },
       // What is read for a plot has its range already; uPlot would look for it again, and take NaN for one.
-      scales: { x: { time: false }, y: { auto: false, range: () => this.range } },
-      axes: [{ ...axis, size: 26 }, { ...axis, size: 62, values: (plot, ticks) => ticks.map((tick) => Number(tick.toPrecision(DIGITS)).toString()) }],
+      scales: { x: { time: false }, ...Object.fromEntries(this.axes.map((_, i) => [SCALES[i], { auto: false, range: () => this.ranges[i] }])) },
+      axes: [{ ...axis, size: 26 }, ...sides],
       series: [{ label: 'time', value: (plot, t) => (Number.isFinite(t) ? `${t.toFixed(3)} s` : '') },
-        ...this.signals.map((signal, i) => ({ label: signal, stroke: COLOURS[i % COLOURS.length], width: LINE, pxAlign: 0,
+        ...this.signals.map((signal, i) => ({ label: this.axisOf(i) === 0 ? signal : `${signal} (right)`,
+          stroke: COLOURS[i % COLOURS.length], width: LINE, scale: SCALES[this.axisOf(i)], pxAlign: 0,
           points: { show: false }, value, paths: linePath, dash: i >= COLOURS.length ? [4, 3] : undefined }))],
       hooks: {
         setSelect: [(plot) => {
@@ -115,6 +157,7 @@ class Plot {
           plot.setSelect({ left: 0, width: 0, top: 0, height: 0 }, false);
         }],
         setSeries: [() => this.want()],
+        draw: [(plot) => this.decorate(plot, this.signals)],
       },
     }, [[], ...this.signals.map(() => [])], this.element);
     this.uplot.over.addEventListener('dblclick', () => this.on_zoom());
@@ -142,12 +185,12 @@ class Plot {
   draw(table, from_s, to_s) {
     if (!this.uplot || !this.visible) return false;
     const points = Math.max(100, this.uplot.bbox.width / devicePixelRatio);
-    const data = this.read.read(table, this.signals, from_s, to_s, points, (i) => this.uplot.series[i + 1].show);
-    this.range = rangeOf(this.read.least, this.read.greatest);
+    const data = this.read.read(table, this.signals, from_s, to_s, points, (i) => (this.uplot.series[i + 1].show ? this.axisOf(i) : -1));
+    this.ranges = this.axes.map((unit, i) => rangeOf(this.read.ranges[i], unit));
     this.uplot.batch(() => {
       this.uplot.setData(data, false);
       this.uplot.setScale('x', { min: from_s, max: to_s });
-      this.uplot.setScale('y', { min: this.range[0], max: this.range[1] });
+      this.ranges.forEach(([min, max], i) => this.uplot.setScale(SCALES[i], { min, max }));
     });
     return true;
   }
@@ -157,6 +200,7 @@ class Plot {
 
   resize(height) {
     this.height = height;
+    if (this.uplot && this.narrow !== this.width() < NARROW) this.make();
     if (!this.uplot || (this.uplot.width === this.width() && this.uplot.height === height)) return;
     this.uplot.setSize({ width: this.width(), height });
     this.want();
@@ -172,6 +216,8 @@ export class Plots {
     this.window_s = 10;
     this.paused = undefined;  // a snapshot of the table
     this.zoomed = undefined;  // [from_s, to_s]
+    this.zoom_moves = false;  // it ends at the newest data
+    this.marks = () => [];    // (start_ns) => what happened: marks.js
     this.at_s = undefined;    // a recording's moment: the window ends there
     this.list = [];
     this.task_ms = 0;
@@ -179,6 +225,7 @@ export class Plots {
     this.on_change = () => {};
     new ResizeObserver(() => this.resize()).observe(parent);
     window.addEventListener('resize', () => this.resize());
+    matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => this.list.forEach((plot) => { plot.make(); want(); }));
   }
 
   // The plots fill the window; what does not fit is below.
@@ -192,13 +239,22 @@ export class Plots {
     shown.forEach((plot) => plot.resize(height));
   }
 
-  // Whether new data change what is shown.
-  get follows() { return this.paused === undefined; }
+  get table() { return this.paused ?? this.topics.table; }
 
-  add(title, unit, on_remove) {
-    const plot = new Plot(this.parent, title, unit, { on_zoom: (from_s, to_s) => this.zoom(from_s, to_s), on_remove, want: this.want });
+  // Whether new data change what is shown.
+  get follows() { return this.paused === undefined && (!this.zoomed || this.zoom_moves || this.zoomed[1] >= this.drawn_s); }
+
+  add(title, { on_remove, on_hide } = {}) {
+    const plot = new Plot(this.parent, title, { on_zoom: (from_s, to_s) => this.zoom(from_s, to_s), on_remove, on_hide, want: this.want,
+      decorate: (uplot, signals) => this.decorate(uplot, signals) });
     this.list.push(plot);
     return plot;
+  }
+
+  decorate(uplot, signals) {
+    drawGaps(uplot, this.topics.gapsOf(signals, this.table));
+    drawEvents(uplot, this.marks(this.table.start_ns));
+    if (this.zoomed && this.at_s !== undefined) drawEvents(uplot, [{ time_s: this.at_s, label: '', kind: 'cursor' }]);
   }
 
   pause(yes) {
@@ -212,15 +268,18 @@ export class Plots {
     this.on_change();
   }
 
+  // Without arguments: all of the window again. What is paused stays so, and nothing else becomes it.
   zoom(from_s, to_s) {
-    if (from_s === undefined) {
-      this.zoomed = undefined;
-    } else {
-      this.zoomed = [from_s, to_s];
-      if (!this.paused && this.at_s === undefined) this.paused = this.topics.table.snapshot();
-    }
+    this.zoomed = from_s === undefined ? undefined : [from_s, to_s];
+    const live = this.paused === undefined && this.at_s === undefined;
+    this.zoom_moves = live && from_s !== undefined && to_s >= this.table.newest - AT_END * this.window_s;
     this.want();
     this.on_change();
+  }
+
+  // A zoom into data that the table does not have any more ends.
+  forgetZoom() {
+    if (this.zoomed && this.at_s === undefined && this.zoomed[1] < this.table.oldest) this.zoom();
   }
 
   // The session has changed: what was paused is of another one.
@@ -228,14 +287,24 @@ export class Plots {
     this.pause(false);
   }
 
+  // What is shown of the table: [from_s, to_s].
+  span(table) {
+    const begin_s = this.at_s === undefined ? -Infinity : 0;  // a recording has nothing before
+    if (this.zoomed && this.zoom_moves) {
+      const on_s = table.newest - this.zoomed[1];
+      return [this.zoomed[0] + on_s, table.newest];
+    }
+    const end_s = this.zoomed?.[1] ?? this.at_s ?? table.newest;
+    const from_s = this.zoomed?.[0] ?? Math.max(end_s - this.window_s, begin_s);
+    return [from_s, Math.max(end_s, from_s + LEAST_SPAN_S)];
+  }
+
   // True: something was drawn.
   draw() {
     const begin = performance.now();
-    const table = this.paused ?? this.topics.table;
-    const begin_s = this.at_s === undefined ? -Infinity : 0;  // a recording has nothing before
-    const end_s = this.zoomed?.[1] ?? this.at_s ?? table.newest;
-    const from_s = this.zoomed?.[0] ?? Math.max(end_s - this.window_s, begin_s);
-    const to_s = Math.max(end_s, from_s + LEAST_SPAN_S);
+    const { table } = this;
+    const [from_s, to_s] = this.span(table);
+    this.drawn_s = table.newest;
     let drawn = false;
     for (const plot of this.list) drawn = plot.draw(table, from_s, to_s) || drawn;
     this.task_ms += performance.now() - begin;

@@ -31,6 +31,7 @@ export class Recording {
     this.length_s = session.length_s;
     this.at_s = 0;
     this.playing = false;
+    this.speed ??= 1;  // of playing
     this.loaded = undefined;  // {span: [from_s, to_s], names, buffer}
     this.asked = {};
     this.moments = new Map();  // topic -> [{time_s, view}]
@@ -48,21 +49,18 @@ export class Recording {
 
   stamp(time_s) { return (this.start_ns + BigInt(Math.round(time_s * 1e9))).toString(); }
 
-  // Fetches what the window needs; true: the table has changed.
-  async load(window_s) {
+  // Fetches what the window needs, and what is shown until shown_s; true: the table has changed.
+  async load(window_s, shown_s = 0) {
     const from_s = Math.max(this.at_s - window_s, 0);
-    const to_s = Math.min(this.at_s + (this.playing ? EARLY_S : 0), this.length_s);
+    const ahead = Math.max(this.speed, 1);
+    const to_s = Math.min(Math.max(this.at_s + (this.playing ? EARLY_S * ahead : 0), shown_s), this.length_s);
     if (this.busy || this.wanted.length === 0) return false;
     if (this.loaded && from_s >= this.loaded.span[0] && to_s <= this.loaded.span[1]) return false;
     this.busy = true;
     try {
-      const span = [Math.max(from_s - AHEAD_S, 0), Math.min(to_s + AHEAD_S, this.length_s)];
+      const span = [Math.max(from_s - AHEAD_S, 0), Math.min(to_s + AHEAD_S * ahead, this.length_s)];
       const { session, wanted } = this;
-      const reply = await fetch(`/api/recording/messages?session=${session}&topics=${wanted.join(',')}`
-        + `&from_ns=${this.stamp(span[0])}&to_ns=${this.stamp(span[1])}`);
-      if (!reply.ok) throw new Error((await reply.text()).trim());
-      const buffer = await reply.arrayBuffer();
-      this.bytes += buffer.byteLength;
+      const buffer = await this.fetch(wanted, ...span);
       if (session !== this.session || wanted !== this.wanted) return true;  // asked for something else meanwhile: once more
       this.loaded = { span, names: wanted, buffer };
       this.fill(buffer);
@@ -72,19 +70,35 @@ export class Recording {
     }
   }
 
-  fill(buffer) {
-    const { topics } = this;
-    topics.table.reset();
-    for (const topic of topics.topics.values()) Object.assign(topic, { tick: undefined, lost: 0 });
-    this.moments.clear();
+  // The messages of topics of the shown session between two times, as /api/recording/messages has them.
+  async fetch(names, from_s, to_s) {
+    const reply = await fetch(`/api/recording/messages?session=${this.session}&topics=${names.join(',')}`
+      + `&from_ns=${this.stamp(from_s)}&to_ns=${this.stamp(to_s)}`);
+    if (!reply.ok) throw new Error((await reply.text()).trim());
+    const buffer = await reply.arrayBuffer();
+    this.bytes += buffer.byteLength;
+    return buffer;
+  }
+
+  // [topic, stamp_ns, DataView] of each message of an answer.
+  *messages(buffer) {
     const head = new DataView(buffer);
-    let first = true;
     for (let at = 0; at < buffer.byteLength;) {
       const name = this.names[head.getUint16(at, true)];
       const stamp_ns = head.getBigInt64(at + 2, true);
       const size = head.getUint32(at + 10, true);
-      const view = new DataView(buffer, at + RECORD_BYTES, size);
+      yield [name, stamp_ns, new DataView(buffer, at + RECORD_BYTES, size)];
       at += RECORD_BYTES + size;
+    }
+  }
+
+  fill(buffer) {
+    const { topics } = this;
+    topics.table.reset();
+    for (const topic of topics.topics.values()) Object.assign(topic, { tick: undefined, lost: 0, gaps: [] });
+    this.moments.clear();
+    let first = true;
+    for (const [name, stamp_ns, view] of this.messages(buffer)) {
       if (first) {  // one session; times count from its beginning
         topics.session = topics.topics.get(name).head[0](view);
         topics.table.start_ns = Number(this.start_ns);

@@ -105,6 +105,12 @@ export class RobotView {
     this.move();
   }
 
+  // As the page began: the camera follows the robot again.
+  resetCamera() {
+    this.steered = false;
+    this.begin();
+  }
+
   // Something else than the robot has changed.
   move() {
     this.moved = true;

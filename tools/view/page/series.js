@@ -2,6 +2,8 @@
 //
 // Rows are kept in a ring; the memory is taken once. Times are seconds since the first row.
 
+import { partsOf } from './units.js';
+
 export const ROWS = 32768;  // 136 s at 240 Hz
 
 export class Table {
@@ -29,6 +31,12 @@ export class Table {
   }
 
   drop(name) { this.columns.delete(name); }
+
+  // Columns of a plotted name: [minuend, subtrahend or undefined]; undefined: not all are there.
+  sources(name) {
+    const parts = partsOf(name).map((part) => this.columns.get(part));
+    return parts.every(Boolean) ? parts : undefined;
+  }
 
   // Makes the row of a tick; false: it is older than what is kept.
   open(tick, stamp_ns) {
@@ -83,13 +91,12 @@ export class Table {
 export class PlotData {
   constructor() {
     this.columns = [];  // Float64Array: times, then a column a signal
-    this.least = NaN;     // of the values that were read; NaN: there were none
-    this.greatest = NaN;
+    this.ranges = [];   // [least, greatest] of the values that were read, an axis each; undefined: there were none
   }
 
   // From from_s to to_s, for `width` points: [times, values of each name], NaN where there is none. They are views that the
-  // next call fills again. shown(i): whether name i counts for least and greatest; all by default.
-  read(table, names, from_s, to_s, width, shown = () => true) {
+  // next call fills again. axis(i): the range to which name i belongs, -1: none; 0 by default.
+  read(table, names, from_s, to_s, width, axis = () => 0) {
     const begin = table.tickAt(from_s);
     let end = table.tickAt(to_s);
     if (end < table.end) ++end;
@@ -101,37 +108,35 @@ export class PlotData {
     for (let i = 0; i <= names.length; ++i) {
       if (this.columns[i].length < most) this.columns[i] = new Float64Array(Math.ceil(1.25 * most));
     }
-    this.least = Infinity;
-    this.greatest = -Infinity;
-    const count = group <= 2 ? this.every(table, names, begin, end, shown) : this.grouped(table, names, first, end, group, shown);
-    if (this.least > this.greatest) this.least = this.greatest = NaN;
+    this.ranges = [];
+    const count = group <= 2 ? this.every(table, names, begin, end, axis) : this.grouped(table, names, first, end, group, axis);
     return this.columns.slice(0, names.length + 1).map((column) => column.subarray(0, count));
   }
 
-  every(table, names, begin, end, shown) {
+  every(table, names, begin, end, axis) {
     const { rows } = table;
     for (let i = -1; i < names.length; ++i) {
-      const from = i < 0 ? table.time : table.columns.get(names[i]);
+      const [from, minus] = i < 0 ? [table.time] : table.sources(names[i]) ?? [];
       const to = this.columns[i + 1];
       let at = begin % rows;
       let least = Infinity, greatest = -Infinity;
       for (let k = 0; k < end - begin; ++k) {
-        const value = from ? from[at] : NaN;
+        const value = !from ? NaN : minus ? from[at] - minus[at] : from[at];
         to[k] = value;
         if (value < least) least = value;
         if (value > greatest) greatest = value;
         if (++at === rows) at = 0;
       }
-      if (i >= 0 && shown(i)) this.widen(least, greatest);
+      if (i >= 0) this.widen(axis(i), least, greatest);
     }
     return end - begin;
   }
 
-  grouped(table, names, first, end, group, shown) {
+  grouped(table, names, first, end, group, axis) {
     const { rows } = table;
     let count = 0;
     for (let i = -1; i < names.length; ++i) {
-      const from = i < 0 ? table.time : table.columns.get(names[i]);
+      const [from, minus] = i < 0 ? [table.time] : table.sources(names[i]) ?? [];
       const to = this.columns[i + 1];
       let low = Infinity, high = -Infinity;
       count = 0;
@@ -147,7 +152,7 @@ export class PlotData {
         let least = Infinity, greatest = -Infinity, least_k = 0, greatest_k = 0;
         let at = start % rows;
         for (let k = start; from && k < stop; ++k) {
-          const value = from[at];
+          const value = minus ? from[at] - minus[at] : from[at];
           if (value < least) { least = value; least_k = k; }
           if (value > greatest) { greatest = value; greatest_k = k; }
           if (++at === rows) at = 0;
@@ -158,13 +163,14 @@ export class PlotData {
         to[count++] = least_k <= greatest_k ? least : greatest;
         to[count++] = least_k <= greatest_k ? greatest : least;
       }
-      if (i >= 0 && shown(i)) this.widen(low, high);
+      if (i >= 0) this.widen(axis(i), low, high);
     }
     return count;
   }
 
-  widen(least, greatest) {
-    if (least < this.least) this.least = least;
-    if (greatest > this.greatest) this.greatest = greatest;
+  widen(axis, least, greatest) {
+    if (axis < 0 || least > greatest) return;
+    const [low, high] = this.ranges[axis] ?? [Infinity, -Infinity];
+    this.ranges[axis] = [Math.min(low, least), Math.max(high, greatest)];
   }
 }
