@@ -191,7 +191,7 @@ class Closer {
       const trace::Hypothesis& h = problem_->hypotheses()[sets[k].members.front()];
       possible[h.name] = {best - gains[k], h.columns.size() + h.effect->info().nonlinear.size()};
     }
-    assessed->posteriors = {trace::PosteriorOfNames(best, possible)};
+    assessed->posteriors = {trace::PosteriorOfNames(best, possible, options_.in_force)};
     const auto named = std::find_if(sets.begin(), sets.end(), [&](const EffectSet& set) {
       return problem_->hypotheses()[set.members.front()].name ==
              assessed->posteriors.front().front().name;
@@ -374,8 +374,8 @@ trace::LoopResult CloseBySimulation(const std::vector<types::Run>& train,
   loop.processing = options.processing ? identify::Resolve(*options.processing, train)
                                        : ProcessingOf(train, joint, longest_gap_s);
   try {
-    const Recordings trained(train, joint, loop.processing, make_body);
-    const Recordings tested(held_out, joint, loop.processing, make_body);
+    const Recordings trained(train, joint, loop.processing, make_body, options.in_force);
+    const Recordings tested(held_out, joint, loop.processing, make_body, options.in_force);
     for (const auto& [recordings, rule] :
          {std::pair{&trained, &rules::kBlocks}, std::pair{&tested, &rules::kHeldOutBlocks}}) {
       const auto pieces = static_cast<double>(recordings->pieces().size());

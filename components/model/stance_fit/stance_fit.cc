@@ -214,9 +214,9 @@ class Closer {
       const Eigen::VectorXd part = held_out.bank.columns(Eigen::all, own) *
                                    with.b.segment(first, static_cast<Eigen::Index>(own.size()));
       StanceEffect& effect = out_.effects[k];
-      effect.confirmation =
-          trace::ConfirmSlope(Whiten(held_out, noise, rest + part).col(0),
-                              Whiten(held_out, noise, part).col(0), held_out.blocks);
+      effect.confirmation = trace::ConfirmSlope(Whiten(held_out, noise, rest + part).col(0),
+                                                Whiten(held_out, noise, part).col(0),
+                                                held_out.blocks, options_.in_force);
       trace::Facts facts;
       facts.curve = curve;
       facts.SetSlope(effect.confirmation);

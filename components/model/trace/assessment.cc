@@ -196,7 +196,7 @@ class Assessor {
         possible[name] = {out_.chosen.net - other.net, Parameters(h)};
         if (h.asked == Asked::kRival) only_rivals.insert(name);
       }
-      Posterior posterior = PosteriorOfNames(out_.chosen.net - without.net, possible);
+      Posterior posterior = PosteriorOfNames(out_.chosen.net - without.net, possible, in_force_);
       const auto leads = std::find_if(
           posterior.begin(), posterior.end(),
           [&](const NameProbability& entry) { return !only_rivals.contains(entry.name); });

@@ -1,10 +1,10 @@
 #include "components/model/trace/confirmation.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "components/model/identify/statistics.h"
 #include "components/model/trace/problem.h"
-#include "components/model/trace/rules.h"
 
 namespace sinew::trace {
 
@@ -22,12 +22,13 @@ std::string_view ConfirmationWord(ConfirmationVerdict verdict) {
 
 Confirmation ConfirmSlope(const Eigen::Ref<const Eigen::VectorXd>& left_over,
                           const Eigen::Ref<const Eigen::VectorXd>& change,
-                          const std::vector<identify::Block>& blocks) {
+                          const std::vector<identify::Block>& blocks, const InForce& in_force) {
   Confirmation out;
   out.blocks = static_cast<int>(blocks.size());
   const double power = change.squaredNorm();
-  if (!(power > 0.0) || static_cast<double>(blocks.size()) < rules::kHeldOutBlocks.limit)
-    return out;
+  // One block has no scatter, whatever the rule allows.
+  const double fewest = std::max(2.0, in_force.Limit(rules::kHeldOutBlocks));
+  if (!(power > 0.0) || static_cast<double>(blocks.size()) < fewest) return out;
   out.slope = change.dot(left_over) / power;
   double meat = 0.0;
   for (const identify::Block& block : blocks) {
@@ -46,7 +47,7 @@ Confirmation ConfirmSlope(const Eigen::Ref<const Eigen::VectorXd>& left_over,
 }
 
 Confirmation ConfirmSlope(const identify::Design& held_out, const identify::FitResult& without,
-                          const identify::FitResult& with) {
+                          const identify::FitResult& with, const InForce& in_force) {
   Likelihood likelihood;
   likelihood.used = MakeUsedRows(held_out, kFewestRowsPerBlock);
   const auto left = [&](const identify::FitResult& fit) {
@@ -57,7 +58,7 @@ Confirmation ConfirmSlope(const identify::Design& held_out, const identify::FitR
   const Eigen::VectorXd before = left(without), after = left(with);
   LearnNoise(held_out, after, with.model.balance, &likelihood);
   return ConfirmSlope(Whiten(likelihood, before), Whiten(likelihood, before - after),
-                      likelihood.used.blocks);
+                      likelihood.used.blocks, in_force);
 }
 
 }  // namespace sinew::trace

@@ -14,6 +14,7 @@
 #include <string_view>
 
 #include "components/model/identify/fit.h"
+#include "components/model/trace/rules.h"
 #include "components/model/trace/whitened_fit.h"
 
 namespace sinew::trace {
@@ -31,14 +32,15 @@ struct Confirmation {
   int blocks = 0;
 };
 
-// From whitened left-over and predicted change.
+// From whitened left-over and predicted change; no interval from fewer blocks than the rule
+// held_out_blocks asks for.
 Confirmation ConfirmSlope(const Eigen::Ref<const Eigen::VectorXd>& left_over,
                           const Eigen::Ref<const Eigen::VectorXd>& change,
-                          const std::vector<identify::Block>& blocks);
+                          const std::vector<identify::Block>& blocks, const InForce& in_force);
 
 // without, with: fitted to the training recordings, of the same declared terms; the drive of
 // held_out must be predicted by `with`.
 Confirmation ConfirmSlope(const identify::Design& held_out, const identify::FitResult& without,
-                          const identify::FitResult& with);
+                          const identify::FitResult& with, const InForce& in_force);
 
 }  // namespace sinew::trace

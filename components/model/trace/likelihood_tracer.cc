@@ -279,7 +279,7 @@ class Correction {
     Facts facts = facts_[k];
     if (problem_.hypotheses()[set_.members[k]].effect->info().event) {
       // It began elsewhere there (LocateEvent).
-      facts.SetSlope(ConfirmSlope(held_out_, without, corrected_));
+      facts.SetSlope(ConfirmSlope(held_out_, without, corrected_, options_.in_force));
     }
     Score(facts, without.model, &found);
     return found;

@@ -10,7 +10,7 @@ namespace sinew::shooting {
 namespace {
 
 Recordings Pieces(const std::vector<types::Run>& runs, const actuator::JointModel& joint) {
-  return Recordings(runs, joint, ProcessingOf(runs, joint, 0.25), plant::JointAlone());
+  return Recordings(runs, joint, ProcessingOf(runs, joint, 0.25), plant::JointAlone(), {});
 }
 
 TEST(Pieces, CoverARecordingWithoutOverlap) {
