@@ -60,7 +60,7 @@ void CheckData(const CheckDataOptions& options) {
   for (const gate::Fault& fault : check.gate.faults) {
     std::cout << "fault " << gate::FormatFault(fault) << '\n';
   }
-  for (const identify::Finding& finding : check.gate.findings) {
+  for (const gate::Finding& finding : check.gate.findings) {
     std::cout << "finding " << finding.name << ": " << finding.text << '\n';
   }
   std::cout << "verdict: " << report::VerdictWord(check.gate) << '\n';

@@ -13,7 +13,6 @@ namespace sinew::gate {
 
 namespace {
 
-using identify::Finding;
 using identify::Resolution;
 using types::Run;
 using types::Signal;

@@ -97,7 +97,7 @@ std::vector<Measurement> LeaveOutSpikes(bool leave_out, SoundRuns* sound, GateRe
   for (std::size_t i = 0; i < sound->runs.size(); ++i) {
     SpikeCheck check = CheckSpikes(sound->runs[i], leave_out);
     Append(std::move(check.measured), &measured);
-    for (identify::Finding& at : check.findings) report->findings.push_back(std::move(at));
+    for (Finding& at : check.findings) report->findings.push_back(std::move(at));
     for (LeftOut& at : check.left_out) {
       at.run = i;
       here.push_back(at);
@@ -178,7 +178,7 @@ GateReport ExamineData(const std::vector<Run>& runs, const actuator::JointModel&
   for (std::size_t i = with_all_rows; i < all.size(); ++i) CountLeftOut(out, runs, &all[i]);
   Decide(std::move(all), options, &out);
   if (sound.runs.empty()) return out;
-  for (identify::Finding& at : FindChannels(sound.runs, model)) {
+  for (Finding& at : FindChannels(sound.runs, model)) {
     out.findings.push_back(std::move(at));
   }
   return out;

@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "components/base/types/median.h"
-#include "components/model/identify/too_little_data.h"
 
 namespace sinew::identify {
 

@@ -12,12 +12,19 @@
 
 #include <Eigen/Core>
 #include <map>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "components/base/types/run.h"
 
 namespace sinew::identify {
+
+// Recordings that are well formed, but too short or with too little motion for the request. The
+// caller reports it as a result; it is no usage error.
+struct TooLittleData : std::invalid_argument {
+  using std::invalid_argument::invalid_argument;
+};
 
 struct UniformSegment {
   double start_s = 0.0;

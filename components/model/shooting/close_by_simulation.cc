@@ -8,7 +8,7 @@
 #include <string>
 
 #include "components/model/identify/statistics.h"
-#include "components/model/identify/too_little_data.h"
+#include "components/model/identify/uniform.h"
 #include "components/model/shooting/shooting_problem.h"
 #include "components/model/trace/agreed_set.h"
 #include "components/model/trace/assessment.h"

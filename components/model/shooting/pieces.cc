@@ -7,7 +7,6 @@
 
 #include "components/model/identify/spectrum.h"
 #include "components/model/identify/statistics.h"
-#include "components/model/identify/too_little_data.h"
 #include "components/model/identify/uniform.h"
 #include "components/model/trace/nuisances.h"
 #include "components/model/trace/problem.h"
@@ -64,7 +63,8 @@ identify::ProcessingOptions ProcessingOf(const std::vector<types::Run>& runs,
     for (const identify::UniformSegment& segment : uniform.segments) {
       const auto at = segment.signals.find(types::Signal::kPosition);
       if (at == segment.signals.end()) continue;
-      band_Hz = std::max(band_Hz, identify::BandOfLeastError(at->second, segment.rate_Hz(), 1));
+      band_Hz = std::max(band_Hz,
+                         identify::PowerDensity(at->second, segment.rate_Hz()).BandOfLeastError(1));
     }
   }
   out.state_cutoff_Hz = std::max(out.state_cutoff_Hz, band_Hz);

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <set>
 
-#include "components/model/identify/too_little_data.h"
+#include "components/model/identify/uniform.h"
 #include "components/model/stance_fit/stance_problem.h"
 #include "components/model/stance_fit/stance_sizes.h"
 #include "components/model/trace/assessment.h"

@@ -10,7 +10,7 @@
 
 #include "components/model/identify/processing.h"
 #include "components/model/identify/statistics.h"
-#include "components/model/identify/too_little_data.h"
+#include "components/model/identify/uniform.h"
 #include "components/model/stance_fit/signals.h"
 
 namespace sinew::stance_fit {

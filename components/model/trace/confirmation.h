@@ -13,7 +13,7 @@
 
 #include <string_view>
 
-#include "components/model/identify/fit.h"
+#include "components/model/identify/balance.h"
 #include "components/model/trace/rules.h"
 #include "components/model/trace/whitened_fit.h"
 

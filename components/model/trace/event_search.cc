@@ -25,7 +25,7 @@ std::optional<TimedEffect> FindTimedEffect(const identify::Design& design,
     return std::nullopt;
   }
   const Eigen::VectorXd residual = fit.balance.target - fit.balance.columns * fit.coefficients;
-  const double scale = fit.balance.fits_scale ? fit.balance.Scale(fit.coefficients) : 1.0;
+  const double scale = fit.balance.Unit(fit.coefficients);
   const double dry_friction = DryFriction(fit.model);
   std::optional<FoundEvent> best;
   for (const Candidate& candidate : EventCandidates(declared, likelihood.in_force)) {

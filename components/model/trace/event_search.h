@@ -21,8 +21,8 @@
 #include <vector>
 
 #include "components/model/effects/effect.h"
+#include "components/model/identify/balance.h"
 #include "components/model/identify/design.h"
-#include "components/model/identify/fit.h"
 
 namespace sinew::trace {
 

@@ -65,7 +65,7 @@ class Builder {
         model_(model),
         used_(likelihood.used),
         bank_(*bank) {
-    scale_ = balance.fits_scale ? balance.Scale(balance.nominal) : 1.0;
+    scale_ = balance.Unit(balance.nominal);
     drive_share_ = actuator::DriveShare(model, model.balance);
     const Eigen::VectorXd angle =
         design.Variable([](const effects::JointSample& x) { return x.position_rad; });

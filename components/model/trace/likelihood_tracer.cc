@@ -86,8 +86,7 @@ class Correction {
   void WidenIntervals(Design* other, const Likelihood& likelihood) {
     other->UsePredictedRate(whitened_.predicted_rate);
     other->PredictDrive(corrected_.model);
-    const double scale =
-        corrected_.balance.fits_scale ? corrected_.balance.Scale(corrected_.coefficients) : 1.0;
+    const double scale = corrected_.balance.Unit(corrected_.coefficients);
     const Eigen::VectorXd rest =
         identify::ErrorOf(*other, corrected_.model).residual(likelihood.used.rows) / scale;
     const FitResult there =

@@ -155,7 +155,7 @@ Problem MakeProblem(const identify::Design& design, const Likelihood& likelihood
   const Eigen::VectorXd precision =
       (bank.spread.array() > 0.0).select(bank.spread.array().square().inverse(), 1e300);
   Evidence evidence(X, bank.prior, Z, precision, y);
-  const double scale = fit.balance.fits_scale ? fit.balance.Scale(fit.coefficients) : 1.0;
+  const double scale = fit.balance.Unit(fit.coefficients);
   const double variance = identify::LeftBy(bank.declared, bank.target).squaredNorm();
   return {std::move(bank), std::move(X),        std::move(Z), std::move(y),
           scale,           std::move(evidence), variance};

@@ -2,7 +2,7 @@
 // declared terms leave. Made once; only CompareBands changes it. Pure; allocates.
 #pragma once
 
-#include "components/model/identify/fit.h"
+#include "components/model/identify/balance.h"
 #include "components/model/trace/evidence.h"
 #include "components/model/trace/hypotheses.h"
 #include "components/model/trace/set_search.h"

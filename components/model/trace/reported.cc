@@ -41,10 +41,7 @@ RowUsage UsageOf(const Design& train, const UsedRows& used) {
     ++at->rows;
     at->used += is_used[k];
     if (is_used[k]) continue;
-    const identify::StateSegment& segment =
-        train.states().segments[static_cast<std::size_t>(rows.segment[k])];
-    const auto why =
-        static_cast<std::size_t>(segment.use[static_cast<std::size_t>(rows.sample[k])]);
+    const auto why = static_cast<std::size_t>(train.SegmentOf(i).use[rows.SampleOf(i)]);
     ++count[why > 0 ? why - 1 : kReasons.size() - 1];
   }
   for (std::size_t r = 0; r < kReasons.size(); ++r) {
@@ -67,8 +64,7 @@ void NoteErrors(const LikelihoodFit& reported, const actuator::JointModel& drive
   result->before_train = identify::ErrorOf(train, reported.fit.model, result->nominal);
   result->before_held_out = identify::ErrorOf(held_out, reported.fit.model, result->nominal);
   predict(drive);
-  const double scale =
-      reported.fit.balance.fits_scale ? reported.fit.balance.Scale(reported.fit.coefficients) : 1.0;
+  const double scale = reported.fit.balance.Unit(reported.fit.coefficients);
   const NoiseFloor floor = EstimateNoiseFloor(train, reported.fit.balance, scale);
   result->noise_floor_rms = floor.rms;
   result->noise_floor_source = floor.source;

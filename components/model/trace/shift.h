@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "components/model/identify/fit.h"
+#include "components/model/identify/balance.h"
 #include "components/model/trace/candidates.h"
 #include "components/model/trace/trace_result.h"
 

@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "components/model/actuator/model.h"
+#include "components/model/identify/balance.h"
 #include "components/model/identify/design.h"
-#include "components/model/identify/fit.h"
 #include "components/model/trace/confirmation.h"
 #include "components/model/trace/enough_data.h"
 #include "components/model/trace/posterior.h"

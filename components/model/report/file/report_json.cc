@@ -357,9 +357,9 @@ Json Faults(const std::vector<gate::Fault>& faults) {
   return out;
 }
 
-Json Findings(const std::vector<identify::Finding>& findings) {
+Json Findings(const std::vector<gate::Finding>& findings) {
   Json out = Json::array();
-  for (const identify::Finding& finding : findings) {
+  for (const gate::Finding& finding : findings) {
     out.push_back({{"name", finding.name},
                    {"text", finding.text},
                    {"value", finding.value},

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "components/model/identify/too_little_data.h"
+#include "components/model/identify/uniform.h"
 #include "sim/plant/joint_body.h"
 #include "tests/components/model/shooting/swing.h"
 
