@@ -12,7 +12,6 @@
 #include "components/model/trace/machine_size.h"
 #include "components/model/trace/nuisances.h"
 #include "components/model/trace/order_spectrum.h"
-#include "components/model/trace/range.h"
 
 namespace sinew::trace {
 

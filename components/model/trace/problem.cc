@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 #include <string>
+#include <utility>
 
 #include "components/model/identify/statistics.h"
 
@@ -55,13 +56,13 @@ void LeaveOutliers(const identify::Design& design, const Eigen::VectorXd& rest,
                    Likelihood* likelihood) {
   const Eigen::VectorXd e = Whiten(*likelihood, rest);
   const double limit = kOutlier * identify::RobustDeviation({e.begin(), e.end()});
-  std::vector<char> marked(likelihood->used.rows.size(), 0);
-  std::vector<Eigen::Index> kept;
+  std::vector<Eigen::Index> kept, rows;
   for (Eigen::Index i = 0; i < e.size(); ++i) {
-    marked[static_cast<std::size_t>(i)] = std::abs(e[i]) > limit;
-    if (!marked[static_cast<std::size_t>(i)]) kept.push_back(i);
+    if (std::abs(e[i]) > limit) continue;
+    kept.push_back(i);
+    rows.push_back(likelihood->used.rows[static_cast<std::size_t>(i)]);
   }
-  likelihood->used = Without(design, likelihood->used, marked, kFewestRowsPerBlock);
+  likelihood->used = MakeUsedRows(design, std::move(rows), kFewestRowsPerBlock);
   const Eigen::VectorXd clean = rest(kept);
   SetNoiseByRecording(design, clean, likelihood);
 }
@@ -269,6 +270,36 @@ Likelihood CompareBands(identify::Design* other, const actuator::JointModel& dec
     if (!here.steady) here.charge += std::max(0.0, single.net - std::max(0.0, other_single.net));
   }
   return base.likelihood;
+}
+
+actuator::JointModel ModelWith(const actuator::JointModel& declared, const Problem& problem,
+                               const EffectSet& set, std::vector<std::vector<int>>* terms) {
+  actuator::JointModel model = declared;
+  terms->clear();
+  Eigen::Index k = 0;
+  for (const std::size_t member : set.members) {
+    const Hypothesis& h = problem.hypotheses()[member];
+    terms->emplace_back();
+    for (const TermSetting& setting : h.settings) {
+      actuator::Term term;
+      term.effect = h.effect;
+      term.declared = false;
+      for (std::size_t i = 0; i < setting.columns.size(); ++i, ++k) {
+        term.linear.push_back({.value = problem.scale * set.c[k], .half_width_95 = std::nullopt});
+      }
+      const auto& infos = h.effect->info().nonlinear;
+      for (std::size_t i = 0; i < setting.psi.size(); ++i) {
+        actuator::ParameterValue value{.value = setting.psi[i], .half_width_95 = std::nullopt};
+        // Counts stay whole, instants and spans were searched.
+        value.fixed = infos[i].dimension == effects::Dimension::kNone || h.effect->info().event ||
+                      h.effect->info().follows_record;
+        term.nonlinear.push_back(value);
+      }
+      terms->back().push_back(static_cast<int>(model.terms.size()));
+      model.terms.push_back(std::move(term));
+    }
+  }
+  return model;
 }
 
 }  // namespace sinew::trace

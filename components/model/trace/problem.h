@@ -78,4 +78,9 @@ LikelihoodFit EstimateLikelihood(identify::Design* design, const actuator::Joint
 Likelihood CompareBands(identify::Design* other, const actuator::JointModel& declared,
                         Problem* problem);
 
+// The declared model with the terms of a set of effects. terms: numbers of those of each member of
+// the set, in the model that is returned. Sizes are those of the set's fit, in physical units.
+actuator::JointModel ModelWith(const actuator::JointModel& declared, const Problem& problem,
+                               const EffectSet& set, std::vector<std::vector<int>>* terms);
+
 }  // namespace sinew::trace

@@ -1,5 +1,3 @@
-#include "components/model/trace/push_search.h"
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -7,6 +5,7 @@
 #include <utility>
 
 #include "components/model/identify/statistics.h"
+#include "components/model/trace/event_search.h"
 
 namespace sinew::trace {
 

@@ -6,6 +6,8 @@
 #include <limits>
 #include <map>
 #include <numbers>
+#include <set>
+#include <string>
 
 #include "components/base/types/text.h"
 #include "components/model/identify/statistics.h"
@@ -177,35 +179,36 @@ std::vector<DetectableSize> FindDetectable(const Problem& problem,
   return out;
 }
 
-Sensitivity FindSensitivity(const Problem& problem, const std::vector<DetectableSize>& detectable,
-                            const std::set<std::string>& shown) {
-  Sensitivity out;
+void NoteSensitivity(const Problem& problem, TraceResult* result) {
   for (const Untestable& effect : problem.bank.untestable) {
-    out.not_excited.push_back({effect.effect, effect.why});
+    result->not_excited.push_back({effect.effect, effect.why});
   }
   // By effect the parameter with the smallest share; null: absorbed.
   std::map<std::string, const DetectableSize*> smallest;
   for (const Hypothesis& h : problem.hypotheses()) {
     if (HasSize(h)) smallest.try_emplace(h.name, nullptr);
   }
-  for (const DetectableSize& size : detectable) {
+  for (const DetectableSize& size : result->detectable) {
     const DetectableSize*& least = smallest[size.effect];
     if (!least || Hides(size, problem.in_force()) < Hides(*least, problem.in_force()))
       least = &size;
   }
-  out.assessed.assign(shown.begin(), shown.end());
+  std::set<std::string> shown;
+  for (const auto* list : {&result->effects, &result->open}) {
+    for (const FoundEffect& found : *list) shown.insert(found.name);
+  }
+  result->assessed.assign(shown.begin(), shown.end());
   for (const auto& [name, size] : smallest) {
     if (shown.contains(name)) continue;
     const std::string why = size ? WhyHidden(*size, problem.in_force()) : kCarried;
     if (why.empty()) {
-      out.assessed.push_back(name);
+      result->assessed.push_back(name);
     } else {
-      out.not_excited.push_back({name, why});
+      result->not_excited.push_back({name, why});
     }
   }
-  std::sort(out.not_excited.begin(), out.not_excited.end(),
+  std::sort(result->not_excited.begin(), result->not_excited.end(),
             [](const NotExcited& a, const NotExcited& b) { return a.effect < b.effect; });
-  return out;
 }
 
 }  // namespace sinew::trace

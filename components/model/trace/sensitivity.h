@@ -2,8 +2,6 @@
 // have found, and the effects that could hide. Pure; allocates.
 #pragma once
 
-#include <set>
-#include <string>
 #include <vector>
 
 #include "components/model/trace/problem.h"
@@ -34,13 +32,9 @@ std::vector<DetectableSize> FindDetectable(const Problem& problem,
                                            const actuator::JointModel& declared, double statistic,
                                            const EffectSet& found);
 
-// Effects that the recordings could not have shown, and those that they could (names). shown:
-// effects that they do show, whatever size would have been sure to be found.
-struct Sensitivity {
-  std::vector<NotExcited> not_excited;
-  std::vector<std::string> assessed;
-};
-Sensitivity FindSensitivity(const Problem& problem, const std::vector<DetectableSize>& detectable,
-                            const std::set<std::string>& shown);
+// Notes the effects that the recordings could not have shown, by result->detectable, and those that
+// they could. What they do show (found or open) would have been sure to be found, whatever its
+// size.
+void NoteSensitivity(const Problem& problem, TraceResult* result);
 
 }  // namespace sinew::trace

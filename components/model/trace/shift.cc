@@ -1,7 +1,7 @@
-#include "components/model/trace/shift.h"
-
 #include <algorithm>
 #include <cmath>
+
+#include "components/model/trace/reported.h"
 
 namespace sinew::trace {
 

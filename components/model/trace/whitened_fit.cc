@@ -7,7 +7,7 @@
 
 #include "components/model/identify/statistics.h"
 #include "components/model/trace/candidates.h"
-#include "components/model/trace/range.h"
+#include "components/model/trace/machine_size.h"
 
 namespace sinew::trace {
 

@@ -1,9 +1,9 @@
-#include "components/model/trace/confirmation.h"
-
 #include <gtest/gtest.h>
 
 #include <numeric>
 #include <random>
+
+#include "components/model/trace/facts.h"
 
 namespace sinew::trace {
 namespace {
