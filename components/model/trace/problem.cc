@@ -78,9 +78,10 @@ void LearnNoise(const identify::Design& design, const Eigen::Ref<const Eigen::Ve
   }
 }
 
-int LongestOrder(const identify::Design& design) {
-  return static_cast<int>(std::clamp(std::ceil(2.0 * RowsPerPeriod(design)), 6.0, 40.0));
+int LongestOrder(double rows_per_period) {
+  return static_cast<int>(std::clamp(std::ceil(2.0 * rows_per_period), 6.0, 40.0));
 }
+int LongestOrder(const identify::Design& design) { return LongestOrder(RowsPerPeriod(design)); }
 
 Eigen::VectorXd Richest(const Problem& problem) {
   Columns all;

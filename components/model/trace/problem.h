@@ -45,6 +45,7 @@ struct Problem {
 // Rows of a block at least.
 inline constexpr int kFewestRowsPerBlock = 20;
 // Rows over which the noise may be coloured: two periods of the angles' low-pass, 6 to 40.
+int LongestOrder(double rows_per_period);
 int LongestOrder(const identify::Design& design);
 
 // The noise by a residual at the used rows: one scale a recording; but chambers and encoders are

@@ -117,10 +117,24 @@ double SizeForPower(double needed, int columns, double other) {
   return high;
 }
 
+std::optional<double> DetectableCoefficient(const Problem& problem, const Hypothesis& hypothesis,
+                                            Eigen::Index j, double statistic, double by_variance,
+                                            double other) {
+  const Evidence& evidence = problem.evidence;
+  const double reduced = evidence.reduced()(j, j);
+  if (!(evidence.FreeShare(j) >= problem.in_force().Limit(rules::kAbsorbed)) || !(reduced > 0.0)) {
+    return std::nullopt;
+  }
+  const double needed =
+      NeededGain(hypothesis, evidence.misfit(), evidence.Occam(hypothesis.columns), statistic,
+                 by_variance * by_variance * reduced, problem.in_force());
+  return kInexact * SizeForPower(needed, static_cast<int>(hypothesis.columns.size()), other) /
+         std::sqrt(reduced);
+}
+
 std::vector<DetectableSize> FindDetectable(const Problem& problem,
                                            const actuator::JointModel& declared, double statistic,
                                            const EffectSet& found) {
-  const Evidence& evidence = problem.evidence;
   const double target_rms =
       problem.measured_rms > 0.0 ? problem.measured_rms : identify::Rms(problem.bank.target);
   const double target_peak = problem.measured_peak > 0.0 ? problem.measured_peak
@@ -141,22 +155,16 @@ std::vector<DetectableSize> FindDetectable(const Problem& problem,
     const auto& infos = h.effect->info().linear;
     for (std::size_t i = 0; i < h.columns.size() && i < infos.size(); ++i) {
       const Eigen::Index j = h.columns[i];
-      const double reduced = evidence.reduced()(j, j);
-      if (!(evidence.FreeShare(j) >= problem.in_force().Limit(rules::kAbsorbed)) ||
-          !(reduced > 0.0))
-        continue;
       const Eigen::VectorXd column = problem.bank.columns.col(j);
       const double power = column.squaredNorm() - (Q.transpose() * column).squaredNorm();
       const double by_variance =
           power > 0.0 ? VarianceSize(LeastVariance(h, problem.in_force()), problem.variance / power,
                                      std::abs(left.dot(column)) / power)
                       : kNever;
-      const double needed = NeededGain(h, evidence.misfit(), evidence.Occam(h.columns), statistic,
-                                       by_variance * by_variance * reduced, problem.in_force());
-      const double c = kInexact *
-                       SizeForPower(needed, static_cast<int>(h.columns.size()),
-                                    ApparentSize(problem, h, j, found)) /
-                       std::sqrt(reduced);
+      const std::optional<double> found_from = DetectableCoefficient(
+          problem, h, j, statistic, by_variance, ApparentSize(problem, h, j, found));
+      if (!found_from) continue;
+      const double c = *found_from;
       // Larger than any torque that was measured: the rows show no more than a trace of it.
       if (infos[i].dimension == effects::Dimension::kTorque && c > target_peak) continue;
       const DetectableSize size = {

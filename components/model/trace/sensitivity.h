@@ -2,6 +2,7 @@
 // have found, and the effects that could hide. Pure; allocates.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "components/model/trace/problem.h"
@@ -23,6 +24,13 @@ double NeededGain(const Hypothesis& hypothesis, double misfit, double occam, dou
 // besides noise that resembles the effect; it adds to the effect or takes from it, equally likely.
 // An effect of which less than `other` would remain is found with the wrong sign: not at all.
 double SizeForPower(double needed, int columns, double other);
+
+// Coefficient of column j of a hypothesis from which on both are reached, for an effect that is not
+// exactly its column; none: the declared terms carry the column. by_variance: coefficient that goes
+// with the variance; other: as of SizeForPower.
+std::optional<double> DetectableCoefficient(const Problem& problem, const Hypothesis& hypothesis,
+                                            Eigen::Index j, double statistic, double by_variance,
+                                            double other);
 
 // For every effect and each of its linear parameters, at the shape that shows best (size over
 // what matters to the torque, or over what machines have, whichever is more); effects that
