@@ -54,11 +54,9 @@ Eigen::VectorXd OutputPosition(const UniformSegment& segment, double gear_ratio,
 
 struct SamplingReport {
   double rate_Hz = 0.0;
-  double jitter_rms_s = 0.0;      // stamps against the grid
-  Eigen::Index lost_rows = 0;     // inside pieces
-  Eigen::Index dropped_rows = 0;  // in pieces too short to be used
-  bool even = false;              // rows were copied
-  bool stamps_used = true;        // false: row numbers were smoother
+  Eigen::Index lost_rows = 0;  // inside pieces
+  bool even = false;           // rows were copied
+  bool stamps_used = true;     // false: row numbers were smoother
 };
 
 struct UniformRun {

@@ -369,7 +369,6 @@ TraceResult TraceByLikelihood(Design& train, Design& held_out, const actuator::J
   result.nominal = model;
   const LikelihoodFit reported = Reported(train, base, model);
   result.declared = reported.fit.model;
-  result.declared_fit = reported.fit;
   result.blocks = static_cast<int>(base.likelihood.used.blocks.size());
   result.block_length_s = base.likelihood.used.block_s;
   result.rows = train.rows().size();
@@ -393,13 +392,12 @@ TraceResult TraceByLikelihood(Design& train, Design& held_out, const actuator::J
   result.detectable =
       FindDetectable(problem, model, correction.least_statistic(), correction.set());
   result.corrected = correction.corrected().model;
-  result.corrected_fit = correction.corrected();
   train.PredictDrive(result.corrected);
   held_out.PredictDrive(result.corrected);
   result.after_train = identify::ErrorOf(train, result.corrected, model);
   result.after_held_out = identify::ErrorOf(held_out, result.corrected, model);
   const CandidateSet all = MakeCandidates(train, result.corrected, options.in_force);
-  result.shifts = FindShifts(train, model, result.corrected_fit, all.candidates);
+  result.shifts = FindShifts(train, model, correction.corrected(), all.candidates);
   Conclude(problem, &result);
   return result;
 }

@@ -206,8 +206,6 @@ struct TraceResult : Assessment {
   std::vector<std::string> assessed;  // candidates whose presence or absence the data shows
   std::vector<ParameterShift> shifts;
   std::vector<BalanceSummary> balances;  // beside the motion's (balances.h)
-  identify::FitResult declared_fit;
-  identify::FitResult corrected_fit;
 };
 
 }  // namespace sinew::trace
