@@ -86,7 +86,7 @@ void CountSound(const Recording& what, bool verbose, Totals* totals) {
   Count& rows = totals->left_out[row];
   ++rows.all;
   rows.right += !sound.left_out.empty();
-  for (const identify::Finding& at : sound.findings) {
+  for (const gate::Finding& at : sound.findings) {
     if (at.name == gate::kLeftOutRows)
       std::cout << "LEFT OUT " << what.text << ": " << at.text << '\n';
   }

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "components/model/arm/arm_fit.h"
+#include "components/model/identify/balance.h"
 #include "components/model/identify/design.h"
-#include "components/model/identify/fit.h"
 #include "components/model/payloads/payloads.h"
 #include "tools/export_model/cost.h"
 

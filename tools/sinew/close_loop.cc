@@ -148,7 +148,7 @@ void PrintLines(const gate::GateReport& found) {
   for (const gate::Fault& fault : found.faults) {
     std::cout << "fault " << gate::FormatFault(fault) << '\n';
   }
-  for (const identify::Finding& finding : found.findings) {
+  for (const gate::Finding& finding : found.findings) {
     std::cout << "finding " << finding.name << ": " << finding.text << '\n';
   }
   std::cout << "verdict: " << report::VerdictWord(found) << '\n';

@@ -15,22 +15,6 @@ namespace {
 constexpr double kBlock_s = 2.0;  // of the scores behind the intervals
 
 bool IsRigid(const actuator::Term& term) { return term.effect->info().name == "rigid_body"; }
-bool IsDrive(const actuator::Term& term) {
-  return term.effect->info().role == effects::Role::kDrive;
-}
-
-std::vector<FreeParameter> FreeParameters(const actuator::JointModel& joint) {
-  std::vector<FreeParameter> out;
-  for (std::size_t t = 0; t < joint.terms.size(); ++t) {
-    if (!joint.Counts(joint.terms[t])) continue;
-    if (IsDrive(joint.terms[t]) || IsRigid(joint.terms[t])) continue;
-    for (std::size_t i = 0; i < joint.terms[t].linear.size(); ++i) {
-      if (!joint.terms[t].linear[i].fixed) out.push_back({t, i});
-    }
-  }
-  return out;
-}
-
 // Normal equations of the first `rigid` unknowns, the others fitted as well (Schur complement).
 identify::Moments OfBodies(const identify::Moments& sums, Eigen::Index rigid) {
   const Eigen::Index rest = sums.m.size() - rigid;
@@ -129,16 +113,10 @@ std::vector<double> Weigh(const Stack& stack, Eigen::VectorXd* b) {
 }  // namespace
 
 // One joint's part of the regression.
-struct Arm::Data {
-  struct Joint {
-    identify::Rows rows;
-    Eigen::VectorXd torque;    // measured
-    Eigen::MatrixXd rigid;     // rows x all inertial parameters
-    Eigen::MatrixXd friction;  // columns of free parameters, as they enter the balance
-    Eigen::VectorXd known;     // fixed terms
-    std::vector<FreeParameter> free;
-  };
-  std::vector<Joint> joints;
+struct Arm::Joint {
+  identify::Rows rows;
+  identify::Balance balance;  // its rigid bodies need nothing
+  Eigen::MatrixXd rigid;      // rows x all inertial parameters
 };
 
 Arm::Arm(const Chain& chain, const actuator::RobotModel& robot)
@@ -174,7 +152,8 @@ std::vector<identify::StateSet> Arm::States(
   for (std::size_t j = 0; j < robot.joints.size(); ++j) {
     std::vector<types::Run> bare = runs.at(j);
     for (types::Run& run : bare) {
-      if (run.rigid_torque.empty()) run.rigid_torque_later = true;
+      run.rigid_torque.clear();
+      run.rigid_torque_later = true;
     }
     states.push_back(identify::MakeStates(bare, robot.joints[j], processing[j]));
     const identify::StateSet& first = states.front();
@@ -204,89 +183,72 @@ void Arm::StateAt(const std::vector<identify::StateSet>& states, std::size_t seg
   }
 }
 
-Arm::Data Arm::Prepare(const ArmRuns& runs, const actuator::RobotModel& robot,
-                       const identify::ProcessingOptions& processing) const {
-  std::vector<identify::StateSet> states =
-      States(runs, robot, std::vector(robot.joints.size(), processing));
+std::vector<std::vector<Eigen::MatrixXd>> Arm::Regressors(
+    const std::vector<identify::StateSet>& states) const {
   const Eigen::Index n = dynamics_.joints();
-  const Eigen::Index p = dynamics_.parameters();
-  // Regressors of every sample, per joint: [joint][segment], samples x parameters.
-  std::vector<std::vector<Eigen::MatrixXd>> full(states.size());
+  std::vector<std::vector<Eigen::MatrixXd>> out(states.size());
   Eigen::VectorXd q(n), v(n), a(n);
   for (std::size_t s = 0; s < states.front().segments.size(); ++s) {
     const Eigen::Index samples = states.front().segments[s].size();
-    for (auto& of_joint : full) of_joint.emplace_back(samples, p);
+    for (auto& of_joint : out) of_joint.emplace_back(samples, dynamics_.parameters());
     for (Eigen::Index i = 0; i < samples; ++i) {
       StateAt(states, s, i, &q, &v, &a);
       const Eigen::MatrixXd Y = dynamics_.Regressor(q, v, a);
-      for (std::size_t j = 0; j < states.size(); ++j) full[j][s].row(i) = Y.row(row_[j]);
+      for (std::size_t j = 0; j < states.size(); ++j) out[j][s].row(i) = Y.row(row_[j]);
     }
   }
-  Data data;
+  return out;
+}
+
+std::vector<Arm::Joint> Arm::Prepare(const ArmRuns& runs, const actuator::RobotModel& robot,
+                                     const identify::ProcessingOptions& processing) const {
+  std::vector<identify::StateSet> states =
+      States(runs, robot, std::vector(robot.joints.size(), processing));
+  const std::vector<std::vector<Eigen::MatrixXd>> full = Regressors(states);
+  std::vector<Joint> out;
   for (std::size_t j = 0; j < states.size(); ++j) {
-    const actuator::JointModel& model = robot.joints[j];
-    identify::Design design(std::move(states[j]), processing);
-    Data::Joint joint;
-    joint.rows = design.rows();
-    joint.rigid.resize(design.rows().size(), p);
+    actuator::JointModel model = robot.joints[j];
+    for (actuator::Term& term : model.terms) {
+      if (IsRigid(term)) term.linear.front().fixed = true;
+    }
+    const identify::Design design(std::move(states[j]), processing);
+    Joint joint = {design.rows(), identify::MakeBalance(design, model, false),
+                   Eigen::MatrixXd(design.rows().size(), dynamics_.parameters())};
     std::vector<Eigen::VectorXd> column(full[j].size());
-    for (Eigen::Index c = 0; c < p; ++c) {
+    for (Eigen::Index c = 0; c < joint.rigid.cols(); ++c) {
       for (std::size_t s = 0; s < full[j].size(); ++s) column[s] = full[j][s].col(c);
       joint.rigid.col(c) = design.ThroughFilter(column);
     }
-    joint.free = FreeParameters(model);
-    joint.known = Eigen::VectorXd::Zero(design.rows().size());
-    joint.friction.resize(design.rows().size(), static_cast<Eigen::Index>(joint.free.size()));
-    for (std::size_t t = 0; t < model.terms.size(); ++t) {
-      const actuator::Term& term = model.terms[t];
-      if (!model.Counts(term)) continue;
-      if (IsDrive(term)) {
-        joint.torque = term.linear.front().value * design.MeasuredDrive(*term.effect);
-        continue;
-      }
-      if (IsRigid(term)) continue;
-      const Eigen::MatrixXd phi = design.Columns(*term.effect, actuator::NonlinearValues(term));
-      for (std::size_t i = 0; i < term.linear.size(); ++i) {
-        const auto of = [&](const FreeParameter& f) { return f.term == t && f.index == i; };
-        const auto found = std::find_if(joint.free.begin(), joint.free.end(), of);
-        const auto at = static_cast<Eigen::Index>(i);
-        if (found == joint.free.end()) {
-          joint.known += term.linear[i].value * phi.col(at);
-        } else {
-          joint.friction.col(found - joint.free.begin()) = phi.col(at);
-        }
-      }
-    }
-    data.joints.push_back(std::move(joint));
+    out.push_back(std::move(joint));
   }
-  return data;
+  return out;
 }
 
 ArmFit Arm::Fit(const ArmRuns& runs, const actuator::RobotModel& robot,
                 const identify::ProcessingOptions& processing) const {
-  const Data data = Prepare(runs, robot, processing);
+  const std::vector<Joint> joints = Prepare(runs, robot, processing);
   const auto rigid = static_cast<Eigen::Index>(base_.independent.size());
   Stack stack{.unknowns = rigid};
   std::vector<Eigen::Index> first;
-  for (const Data::Joint& joint : data.joints) {
+  for (const Joint& joint : joints) {
     first.push_back(stack.unknowns);
-    stack.unknowns += joint.friction.cols();
+    stack.unknowns += joint.balance.columns.cols();
   }
-  for (std::size_t j = 0; j < data.joints.size(); ++j) {
-    const Data::Joint& joint = data.joints[j];
-    Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(joint.torque.size(), stack.unknowns);
+  for (std::size_t j = 0; j < joints.size(); ++j) {
+    const Joint& joint = joints[j];
+    Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(joint.rigid.rows(), stack.unknowns);
     for (Eigen::Index c = 0; c < rigid; ++c) {
       columns.col(c) = joint.rigid.col(base_.independent[static_cast<std::size_t>(c)]);
     }
-    columns.middleCols(first[j], joint.friction.cols()) = -joint.friction;
-    stack.y.emplace_back(joint.torque + joint.known - joint.rigid * dynamics_.nominal());
+    columns.middleCols(first[j], joint.balance.columns.cols()) = joint.balance.columns;
+    stack.y.emplace_back(joint.balance.target - joint.rigid * dynamics_.nominal());
     stack.X.push_back(std::move(columns));
     stack.rows.push_back(&joint.rows);
   }
   Eigen::VectorXd b;
   const std::vector<double> weight = Weigh(stack, &b);
   // Blocks of time, all joints together.
-  identify::Rows all = data.joints.front().rows;
+  identify::Rows all = joints.front().rows;
   std::fill(all.used.begin(), all.used.end(), 1);
   const std::vector<identify::Block> blocks = identify::MakeBlocks(all, kBlock_s, 0.0, 4);
   std::vector<identify::Moments> parts;
@@ -326,17 +288,16 @@ ArmFit Arm::Fit(const ArmRuns& runs, const actuator::RobotModel& robot,
   const double louder = of_rows > 0.0 ? std::sqrt(std::max(1.0, of_blocks / of_rows)) : 1.0;
   const identify::Moments total = stack.Sums(nullptr, weight);
   out.information = OfBodies(total, rigid).G / (louder * louder);
-  for (std::size_t j = 0; j < data.joints.size(); ++j) {
+  for (std::size_t j = 0; j < joints.size(); ++j) {
     std::vector<double> others = weight;
     others[j] = 0.0;
     out.by_others.push_back(PriorFrom(stack.Sums(nullptr, others), b, rigid,
                                       total.G.diagonal().head(rigid).cwiseSqrt(), louder));
-    for (std::size_t k = 0; k < data.joints[j].free.size(); ++k) {
-      const FreeParameter& which = data.joints[j].free[k];
-      actuator::ParameterValue& value = out.robot.joints[j].terms[which.term].linear[which.index];
-      const Eigen::Index at = first[j] + static_cast<Eigen::Index>(k);
-      value.value = b[at];
-      value.half_width_95 = half_width(at);
+    const identify::Balance& balance = joints[j].balance;
+    for (Eigen::Index k = 0; k < balance.columns.cols(); ++k) {
+      actuator::ParameterValue& value = balance.ParameterOf(k).In(&out.robot.joints[j]);
+      value.value = b[first[j] + k];
+      value.half_width_95 = half_width(first[j] + k);
     }
   }
   out.train = ErrorOf(runs, out.robot, out.phi, processing);
@@ -346,24 +307,21 @@ ArmFit Arm::Fit(const ArmRuns& runs, const actuator::RobotModel& robot,
 ArmError Arm::ErrorOf(const ArmRuns& runs, const actuator::RobotModel& robot,
                       const Eigen::VectorXd& phi,
                       const identify::ProcessingOptions& processing) const {
-  const Data data = Prepare(runs, robot, processing);
+  const std::vector<Joint> joints = Prepare(runs, robot, processing);
   ArmError out;
   double all_error = 0.0, all_power = 0.0, nrms = 0.0;
   bool limits = true;
-  for (std::size_t j = 0; j < data.joints.size(); ++j) {
-    const Data::Joint& joint = data.joints[j];
-    Eigen::VectorXd theta(static_cast<Eigen::Index>(joint.free.size()));
-    for (std::size_t k = 0; k < joint.free.size(); ++k) {
-      theta[static_cast<Eigen::Index>(k)] =
-          robot.joints[j].terms[joint.free[k].term].linear[joint.free[k].index].value;
-    }
+  for (std::size_t j = 0; j < joints.size(); ++j) {
+    const Joint& joint = joints[j];
+    const identify::Balance& balance = joint.balance;
+    const Eigen::VectorXd torque = balance.drive_factor * balance.drive_torque;
     const Eigen::VectorXd residual =
-        joint.torque + joint.known + joint.friction * theta - joint.rigid * phi;
+        balance.target - balance.columns * balance.nominal - joint.rigid * phi;
     double error = 0.0, power = 0.0;
     const identify::Block used = joint.rows.UsedRows();
     for (const Eigen::Index i : used) {
       error += residual[i] * residual[i];
-      power += joint.torque[i] * joint.torque[i];
+      power += torque[i] * torque[i];
     }
     all_error += error;
     all_power += power;
@@ -371,8 +329,7 @@ ArmError Arm::ErrorOf(const ArmRuns& runs, const actuator::RobotModel& robot,
         std::sqrt(error / std::max<double>(1.0, static_cast<double>(used.size()))));
     out.relative_percent.push_back(power > 0.0 ? 100.0 * std::sqrt(error / power) : 0.0);
     if (effort_[j] > 0.0) {
-      nrms +=
-          100.0 * out.rms_Nm.back() / (2.0 * effort_[j]) / static_cast<double>(data.joints.size());
+      nrms += 100.0 * out.rms_Nm.back() / (2.0 * effort_[j]) / static_cast<double>(joints.size());
     } else {
       limits = false;
     }
@@ -415,21 +372,13 @@ void Arm::AddRigidTorque(const ArmFit& fit,
       run.rigid_spread = fit.by_others[j].spread;
     }
   }
-  const Eigen::Index n = dynamics_.joints();
-  Eigen::VectorXd q(n), v(n), a(n);
+  const std::vector<std::vector<Eigen::MatrixXd>> full = Regressors(states);
   for (std::size_t s = 0; s < states.front().segments.size(); ++s) {
-    const identify::StateSegment& segment = states.front().segments[s];
-    std::vector<Eigen::MatrixXd> Y(states.size(),
-                                   Eigen::MatrixXd(segment.size(), dynamics_.parameters()));
-    for (Eigen::Index i = 0; i < segment.size(); ++i) {
-      StateAt(states, s, i, &q, &v, &a);
-      const Eigen::MatrixXd all = dynamics_.Regressor(q, v, a);
-      for (std::size_t j = 0; j < states.size(); ++j) Y[j].row(i) = all.row(row_[j]);
-    }
+    const auto number = static_cast<std::size_t>(states.front().segments[s].run);
     for (std::size_t j = 0; j < states.size(); ++j) {
-      types::Run& run = (*runs)[j][static_cast<std::size_t>(segment.run)];
-      run.rigid_torque.emplace_back(Y[j] * fit.phi);
-      run.rigid_columns.emplace_back(Y[j](Eigen::all, base_.independent) *
+      types::Run& run = (*runs)[j][number];
+      run.rigid_torque.emplace_back(full[j][s] * fit.phi);
+      run.rigid_columns.emplace_back(full[j][s](Eigen::all, base_.independent) *
                                      fit.by_others[j].directions);
     }
   }

@@ -16,6 +16,7 @@
 #include "components/base/types/run.h"
 #include "components/bodies/dynamics/dynamics.h"
 #include "components/model/actuator/model.h"
+#include "components/model/identify/balance.h"
 #include "components/model/identify/design.h"
 #include "components/model/identify/processing.h"
 
@@ -58,12 +59,6 @@ struct ArmFit {
   ArmError train;
 };
 
-// A parameter of a joint's model that is fitted with the rigid bodies.
-struct FreeParameter {
-  std::size_t term = 0;
-  std::size_t index = 0;  // of the term's linear parameters
-};
-
 // Joints of the model and joints of the dynamics by name; effort limits from the chain.
 class Arm {
  public:
@@ -91,15 +86,18 @@ class Arm {
                       const actuator::RobotModel& robot, ArmRuns* runs) const;
 
  private:
-  struct Data;
-  Data Prepare(const ArmRuns& runs, const actuator::RobotModel& robot,
-               const identify::ProcessingOptions& processing) const;
+  struct Joint;
+  std::vector<Joint> Prepare(const ArmRuns& runs, const actuator::RobotModel& robot,
+                             const identify::ProcessingOptions& processing) const;
   std::vector<identify::StateSet> States(
       const ArmRuns& runs, const actuator::RobotModel& robot,
       const std::vector<identify::ProcessingOptions>& processing) const;
   // States of all joints at one sample, in the order of the dynamics.
   void StateAt(const std::vector<identify::StateSet>& states, std::size_t segment, Eigen::Index i,
                Eigen::VectorXd* q, Eigen::VectorXd* v, Eigen::VectorXd* a) const;
+  // Regressors of every sample, [joint][segment], samples x parameters.
+  std::vector<std::vector<Eigen::MatrixXd>> Regressors(
+      const std::vector<identify::StateSet>& states) const;
 
   ArmDynamics dynamics_;
   BaseParameters base_;

@@ -36,7 +36,7 @@ void NameThoseOfOthers(const actuator::RobotModel& robot, std::vector<gate::Gate
             "not assessed.";
         to.faults.push_back(std::move(fault));
       }
-      for (identify::Finding finding : own[j].findings) {
+      for (gate::Finding finding : own[j].findings) {
         if (stopped || finding.name != gate::kLeftOutRows) continue;
         finding.text = joint + ": " + finding.text;
         to.findings.push_back(std::move(finding));

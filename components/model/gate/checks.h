@@ -22,7 +22,7 @@ std::vector<Measurement> CheckRegisters(const types::Run& run);
 struct SpikeCheck {
   std::vector<Measurement> measured;  // of what stays in the recording
   std::vector<LeftOut> left_out;      // `run` is 0
-  std::vector<identify::Finding> findings;
+  std::vector<Finding> findings;
 };
 // leave_out: a few rows of a channel are left out; false: they are measured like many.
 SpikeCheck CheckSpikes(const types::Run& run, bool leave_out);
@@ -32,9 +32,9 @@ std::vector<Measurement> CheckBalance(const std::vector<types::Run>& runs,
                                       const actuator::JointModel& model);
 
 // Rate, jitter, lost and interpolated rows. runs: at least one.
-std::vector<identify::Finding> FindSampling(const std::vector<types::Run>& runs);
+std::vector<Finding> FindSampling(const std::vector<types::Run>& runs);
 // Saturation, resolution, constant channels, lags. runs: at least one.
-std::vector<identify::Finding> FindChannels(const std::vector<types::Run>& runs,
-                                            const actuator::JointModel& model);
+std::vector<Finding> FindChannels(const std::vector<types::Run>& runs,
+                                  const actuator::JointModel& model);
 
 }  // namespace sinew::gate

@@ -12,7 +12,6 @@ namespace sinew::gate {
 
 namespace {
 
-using identify::Finding;
 using identify::Resolution;
 using types::Run;
 using types::Signal;

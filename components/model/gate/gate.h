@@ -14,7 +14,6 @@
 
 #include "components/base/types/run.h"
 #include "components/model/actuator/model.h"
-#include "components/model/identify/finding.h"
 
 namespace sinew::gate {
 
@@ -29,6 +28,14 @@ struct Measurement {
   double limit = 0.0;
   std::string reason{};  // a sentence
   std::string remedy{};  // a sentence
+};
+
+// A property of a recording that does not stop the analysis: reported, never silently corrected.
+struct Finding {
+  std::string name;  // stable, e.g. "lost_rows"
+  std::string text;  // one sentence
+  double value = 0.0;
+  std::string unit;
 };
 
 struct Fault : Measurement {
@@ -57,7 +64,7 @@ struct GateOptions {
 
 struct GateReport {
   std::vector<Fault> faults;  // in the order of the rules
-  std::vector<identify::Finding> findings;
+  std::vector<Finding> findings;
   std::vector<LeftOut> left_out;  // each with a finding, none with a fault
   // The largest statistic of every rule that could be computed, below its limit or not.
   std::vector<Measurement> largest;

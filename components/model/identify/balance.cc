@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "components/model/identify/statistics.h"
+
 namespace sinew::identify {
 
 namespace {
@@ -14,29 +16,20 @@ bool IsDrive(const actuator::Term& term) {
 // its derivative is a multiple of takes it, and may be off by as much more.
 void WidenByShapes(const Design& design, const actuator::JointModel& model, Balance* balance) {
   constexpr double kSameColumn = 0.99;  // squared cosine
-  const Eigen::Index first = balance->fits_scale ? 1 : 0;
   const double scale = balance->fits_scale ? balance->drive_factor : 1.0;
   const std::vector<Eigen::Index> used = design.rows().UsedRows();
   for (const actuator::Term& term : model.terms) {
     if (!model.Counts(term) || !term.declared || term.nonlinear.empty()) continue;
-    Eigen::VectorXd theta(static_cast<Eigen::Index>(term.linear.size()));
-    for (std::size_t i = 0; i < term.linear.size(); ++i) {
-      theta[static_cast<Eigen::Index>(i)] = term.linear[i].value;
-    }
     for (std::size_t k = 0; k < term.nonlinear.size(); ++k) {
       const double spread =
           term.nonlinear[k].fixed ? 0.0 : actuator::PriorSpread(term.nonlinear[k]);
       if (!(spread > 0.0)) continue;
-      const auto torque = [&](double shape) -> Eigen::VectorXd {
-        std::vector<double> psi = actuator::NonlinearValues(term);
-        psi[k] = shape;
-        return (design.Columns(*term.effect, psi) * theta)(used);
-      };
       const double at = term.nonlinear[k].value;
-      const Eigen::VectorXd change = torque(at + spread) - torque(at);
+      const Eigen::VectorXd change =
+          ShapedTorque(design, term, k, at + spread) - ShapedTorque(design, term, k, at);
       Eigen::Index nearest = -1;
       double best = kSameColumn, share = 0.0;
-      for (Eigen::Index i = first; i < balance->columns.cols(); ++i) {
+      for (Eigen::Index i = balance->scale_columns(); i < balance->columns.cols(); ++i) {
         const Eigen::VectorXd column = balance->columns.col(i)(used);
         const double both = column.dot(change), power = column.squaredNorm();
         const double same = both * both / std::max(1e-300, power * change.squaredNorm());
@@ -68,16 +61,18 @@ double Balance::Scale(const Eigen::Ref<const Eigen::VectorXd>& coefficients) con
 void Balance::Apply(const Eigen::Ref<const Eigen::VectorXd>& coefficients,
                     actuator::JointModel* model) const {
   const Eigen::VectorXd values = Physical(coefficients);
-  const auto set = [&](const ParameterRef& ref, double value) {
-    model->terms[static_cast<std::size_t>(ref.term)]
-        .linear[static_cast<std::size_t>(ref.linear)]
-        .value = value;
-  };
-  const Eigen::Index first = fits_scale ? 1 : 0;
-  if (fits_scale) set(drive, values[0]);
-  for (std::size_t i = 0; i < parameters.size(); ++i) {
-    set(parameters[i], values[first + static_cast<Eigen::Index>(i)]);
+  for (Eigen::Index i = 0; i < values.size(); ++i) ParameterOf(i).In(model).value = values[i];
+}
+
+Eigen::VectorXd ShapedTorque(const Design& design, const actuator::Term& term, std::size_t k,
+                             double value) {
+  std::vector<double> psi = actuator::NonlinearValues(term);
+  psi[k] = value;
+  Eigen::VectorXd theta(static_cast<Eigen::Index>(term.linear.size()));
+  for (std::size_t i = 0; i < term.linear.size(); ++i) {
+    theta[static_cast<Eigen::Index>(i)] = term.linear[i].value;
   }
+  return (design.Columns(*term.effect, psi) * theta)(design.rows().UsedRows());
 }
 
 Balance MakeBalance(const Design& design, const actuator::JointModel& model,
@@ -94,7 +89,7 @@ Balance MakeBalance(const Design& design, const actuator::JointModel& model,
     const actuator::Term& term = model.terms[t];
     if (!model.Counts(term)) continue;
     if (IsDrive(term)) {
-      out.drive = {static_cast<int>(t), 0};
+      out.drive = {t, 0};
       out.drive_factor = term.linear.front().value;
       out.drive_torque = design.MeasuredDrive(*term.effect);
       drive_fixed = term.linear.front().fixed;
@@ -109,7 +104,7 @@ Balance MakeBalance(const Design& design, const actuator::JointModel& model,
         known += parameter.value * column;
         continue;
       }
-      out.parameters.push_back({static_cast<int>(t), static_cast<int>(i)});
+      out.parameters.push_back({t, i});
       columns.emplace_back(-column);
       values.push_back(parameter.value);
       tolerances.push_back(actuator::PriorSpread(parameter));
@@ -125,7 +120,7 @@ Balance MakeBalance(const Design& design, const actuator::JointModel& model,
   out.fits_scale =
       fits_scale.value_or(!drive_fixed && drive_power > 0.0 && known_power > 1e-4 * drive_power);
 
-  const Eigen::Index first = out.fits_scale ? 1 : 0;
+  const Eigen::Index first = out.scale_columns();
   const auto count = static_cast<Eigen::Index>(columns.size()) + first;
   out.columns.resize(rows, count);
   out.nominal.resize(count);
@@ -146,6 +141,29 @@ Balance MakeBalance(const Design& design, const actuator::JointModel& model,
     out.spread[i] = tolerances[k] / scale;
   }
   WidenByShapes(design, model, &out);
+  return out;
+}
+
+ModelError ErrorOf(const Design& design, const actuator::JointModel& model) {
+  const Balance balance = MakeBalance(design, model);
+  ModelError out;
+  out.residual =
+      balance.Unit(balance.nominal) * (balance.target - balance.columns * balance.nominal);
+  const std::vector<Eigen::Index> used = design.rows().UsedRows();
+  const Eigen::VectorXd left = out.residual(used);
+  const Eigen::VectorXd drive = balance.drive_factor * balance.drive_torque(used);
+  out.rms = Rms(left);
+  out.percent = drive.squaredNorm() > 0.0 ? 100.0 * left.norm() / drive.norm() : 0.0;
+  return out;
+}
+
+ModelError ErrorOf(const Design& design, const actuator::JointModel& model,
+                   const actuator::JointModel& reference) {
+  ModelError out = ErrorOf(design, model);
+  const double ratio = actuator::DriveShare(reference, reference.balance) /
+                       actuator::DriveShare(model, model.balance);
+  out.residual *= ratio;
+  out.rms *= std::abs(ratio);
   return out;
 }
 

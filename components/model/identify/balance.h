@@ -22,9 +22,17 @@
 
 namespace sinew::identify {
 
+// A linear parameter of a model.
 struct ParameterRef {
-  int term = 0;
-  int linear = 0;
+  std::size_t term = 0;
+  std::size_t linear = 0;
+
+  const actuator::ParameterValue& In(const actuator::JointModel& model) const {
+    return model.terms[term].linear[linear];
+  }
+  actuator::ParameterValue& In(actuator::JointModel* model) const {
+    return model->terms[term].linear[linear];
+  }
 };
 
 struct Balance {
@@ -42,6 +50,17 @@ struct Balance {
   Eigen::VectorXd Physical(const Eigen::Ref<const Eigen::VectorXd>& coefficients) const;
   // Drive factor that coefficients stand for.
   double Scale(const Eigen::Ref<const Eigen::VectorXd>& coefficients) const;
+  // Torque of one unit of the target: that factor where it is fitted, else 1.
+  double Unit(const Eigen::Ref<const Eigen::VectorXd>& coefficients) const {
+    return fits_scale ? Scale(coefficients) : 1.0;
+  }
+  Eigen::Index scale_columns() const { return fits_scale ? 1 : 0; }
+  // Parameter of a column; of the scale column the drive's.
+  const ParameterRef& ParameterOf(Eigen::Index column) const {
+    return column < scale_columns()
+               ? drive
+               : parameters[static_cast<std::size_t>(column - scale_columns())];
+  }
   // Writes coefficients into a model of the same terms.
   void Apply(const Eigen::Ref<const Eigen::VectorXd>& coefficients,
              actuator::JointModel* model) const;
@@ -51,5 +70,30 @@ struct Balance {
 // have had another known torque? Empty: as the design's own known torques allow.
 Balance MakeBalance(const Design& design, const actuator::JointModel& model,
                     std::optional<bool> fits_scale = std::nullopt);
+
+// Contribution of a term, with another value of its nonlinear parameter k,
+// at the used rows.
+Eigen::VectorXd ShapedTorque(const Design& design, const actuator::Term& term, std::size_t k,
+                             double value);
+
+// Fit of a joint model (trace/whitened_fit.h makes it).
+struct FitResult {
+  actuator::JointModel model;    // fitted values, half widths filled in
+  Balance balance;               // at the fitted nonlinear parameters
+  Eigen::VectorXd coefficients;  // of balance.columns
+  Eigen::MatrixXd covariance;    // of the linear parameters in physical units, as Physical()
+};
+
+// Error of a model as it is on any design.
+struct ModelError {
+  double rms = 0.0;          // of the residual over used rows
+  double percent = 0.0;      // 100 |residual| / |drive torque| over used rows
+  Eigen::VectorXd residual;  // torque at the output, every row
+};
+ModelError ErrorOf(const Design& design, const actuator::JointModel& model);
+// The same in torques of the reference's drive factor. Models that differ in it are distinguished
+// by the drive signal that they predict; a larger factor makes the same error a larger torque.
+ModelError ErrorOf(const Design& design, const actuator::JointModel& model,
+                   const actuator::JointModel& reference);
 
 }  // namespace sinew::identify

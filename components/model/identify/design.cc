@@ -112,13 +112,8 @@ Eigen::Index Design::Thin(const StateSegment& segment, const Eigen::VectorXd& fu
     for (Eigen::Index i = step / 2; i < x.size(); i += step) out[row++] = x[i];
     return row;
   };
-  if (segment.held || options_.parallel_cutoff_Hz >= 0.5 * rate) return thin(full);
-  const int padding =
-      std::max(3 * options_.parallel_order,
-               static_cast<int>(std::ceil(2.0 * rate / options_.parallel_cutoff_Hz)));
-  return thin(FilterZeroPhase(
-      ButterworthLowPass(options_.parallel_order, options_.parallel_cutoff_Hz, rate), full,
-      padding));
+  if (segment.held) return thin(full);
+  return thin(Smooth(full, options_.parallel_order, options_.parallel_cutoff_Hz, rate));
 }
 
 Eigen::MatrixXd Design::Columns(const effects::Effect& effect, std::span<const double> psi) const {
@@ -199,19 +194,16 @@ Eigen::MatrixXd Design::RigidColumns() const {
 }
 
 Eigen::VectorXd Design::MeasuredDrive(const effects::Effect& drive) const {
-  Eigen::VectorXd out(rows_.size());
-  Eigen::Index at = 0;
+  std::vector<Eigen::VectorXd> full;
   for (const StateSegment& segment : states_.segments) {
-    Eigen::VectorXd full(segment.size());
+    full.emplace_back(segment.size());
     for (Eigen::Index i = 0; i < segment.size(); ++i) {
       effects::JointSample x = segment.samples[static_cast<std::size_t>(i)];
       x.drive_input = segment.drive_input[i];
-      double phi = 0.0;
-      drive.Regressors(x, {}, {}, {&phi, 1});
-      full[i] = phi;
+      drive.Regressors(x, {}, {}, {&full.back()[i], 1});
     }
-    at += Thin(segment, full, out.segment(at, rows_.size() - at));
   }
+  Eigen::VectorXd out = ThroughFilter(full);
   Centre(out);
   return out;
 }
@@ -282,17 +274,6 @@ double Design::NoiseShare(const std::vector<Eigen::VectorXd>& full,
   return std::min(1.0, sigma * sigma * passed / power);
 }
 
-void Design::SetClock(int run, double offset_s) {
-  clocks_[run] = offset_s;
-  for (StateSegment& segment : states_.segments) {
-    if (segment.run != run) continue;
-    for (Eigen::Index i = 0; i < segment.size(); ++i) {
-      segment.samples[static_cast<std::size_t>(i)].time_s =
-          segment.start_s + segment.period_s * static_cast<double>(i) + offset_s;
-    }
-  }
-}
-
 void Design::SetMotorTurn(int run, double turn_rad) {
   made_.clear();
   for (StateSegment& segment : states_.segments) {
@@ -302,10 +283,7 @@ void Design::SetMotorTurn(int run, double turn_rad) {
 }
 
 void Design::SetClock(int run, const std::vector<double>& instants_s, double clock_s) {
-  if (instants_s.size() < 2) {
-    SetClock(run, instants_s.empty() ? kLongBefore : clock_s - instants_s.front());
-    return;
-  }
+  const double offset_s = instants_s.empty() ? kLongBefore : clock_s - instants_s.front();
   for (StateSegment& segment : states_.segments) {
     if (segment.run != run) continue;
     std::size_t next = 0;
@@ -315,7 +293,8 @@ void Design::SetClock(int run, const std::vector<double>& instants_s, double clo
              time_s > 0.5 * (instants_s[next] + instants_s[next + 1])) {
         ++next;
       }
-      segment.samples[static_cast<std::size_t>(i)].time_s = time_s + clock_s - instants_s[next];
+      segment.samples[static_cast<std::size_t>(i)].time_s =
+          instants_s.size() < 2 ? time_s + offset_s : time_s + clock_s - instants_s[next];
     }
   }
 }

@@ -29,9 +29,12 @@ struct Rows {
   std::vector<int> window;           // empty, or as StateSegment::window
   Eigen::Index size() const { return time_s.size(); }
   std::vector<Eigen::Index> UsedRows() const;
-  // Recording of a row.
+  // Recording of a row, and number in its segment.
   std::size_t RunOf(Eigen::Index row) const {
     return static_cast<std::size_t>(run[static_cast<std::size_t>(row)]);
+  }
+  std::size_t SampleOf(Eigen::Index row) const {
+    return static_cast<std::size_t>(sample[static_cast<std::size_t>(row)]);
   }
 };
 
@@ -42,9 +45,10 @@ class Design {
 
   const Rows& rows() const { return rows_; }
   const StateSet& states() const { return states_; }
+  const StateSegment& SegmentOf(Eigen::Index row) const {
+    return states_.segments[static_cast<std::size_t>(rows_.segment[static_cast<std::size_t>(row)])];
+  }
   const ProcessingOptions& options() const { return options_; }
-  // The load cell measured nothing but its noise, and its mean stands for it.
-  bool silent_load() const { return states_.silent_load; }
   double rows_per_s() const { return rows_per_s_; }  // of the first piece
   // Rows are holds (Run::held): their order says nothing, and no time runs between them.
   bool held() const { return !states_.segments.empty() && states_.segments.front().held; }
@@ -59,18 +63,22 @@ class Design {
   Eigen::MatrixXd RigidColumns() const;
   // A full-rate column, given per segment of the states, filtered and thinned like the columns.
   Eigen::VectorXd ThroughFilter(const std::vector<Eigen::VectorXd>& per_segment) const;
-  // Any function of the sample, filtered and thinned like the columns.
+  // Any function of the sample: of every one, per segment of the states; filtered and thinned like
+  // the columns.
+  template <class Function>
+  std::vector<Eigen::VectorXd> FullRate(Function f) const {
+    std::vector<Eigen::VectorXd> out;
+    for (const StateSegment& segment : states_.segments) {
+      out.emplace_back(segment.size());
+      for (Eigen::Index i = 0; i < segment.size(); ++i) {
+        out.back()[i] = f(segment.samples[static_cast<std::size_t>(i)]);
+      }
+    }
+    return out;
+  }
   template <class Function>
   Eigen::VectorXd Column(Function f) const {
-    Eigen::VectorXd out(rows_.size());
-    Eigen::Index at = 0;
-    for (const StateSegment& segment : states_.segments) {
-      Eigen::VectorXd full(segment.size());
-      for (Eigen::Index i = 0; i < segment.size(); ++i) {
-        full[i] = f(segment.samples[static_cast<std::size_t>(i)]);
-      }
-      at += Thin(segment, full, out.segment(at, rows_.size() - at));
-    }
+    Eigen::VectorXd out = ThroughFilter(FullRate(f));
     Centre(out);
     return out;
   }
@@ -79,9 +87,7 @@ class Design {
   Eigen::VectorXd Variable(Function f) const {
     Eigen::VectorXd out(rows_.size());
     for (Eigen::Index i = 0; i < rows_.size(); ++i) {
-      const auto k = static_cast<std::size_t>(i);
-      out[i] = f(states_.segments[static_cast<std::size_t>(rows_.segment[k])]
-                     .samples[static_cast<std::size_t>(rows_.sample[k])]);
+      out[i] = f(SegmentOf(i).samples[rows_.SampleOf(i)]);
     }
     return out;
   }
@@ -91,14 +97,7 @@ class Design {
   // is 0.
   template <class Function>
   double NoiseShare(Function f) const {
-    std::vector<Eigen::VectorXd> full;
-    for (const StateSegment& segment : states_.segments) {
-      full.emplace_back(segment.size());
-      for (Eigen::Index i = 0; i < segment.size(); ++i) {
-        full.back()[i] = f(segment.samples[static_cast<std::size_t>(i)]);
-      }
-    }
-    return NoiseShare(full, Column(f));
+    return NoiseShare(FullRate(f), Column(f));
   }
 
   // From now on effects that read the drive see the drive that the model needs, not the measured
@@ -113,17 +112,12 @@ class Design {
   double beyond_drive() const { return beyond_drive_; }
 
   // Moves the clock that effects see in one recording (JointSample::time_s, not Rows::time_s), so
-  // that something that began at different instants begins at one instant of it. Replaces an
-  // earlier offset.
-  void SetClock(int run, double offset_s);
-  // The same for something that comes several times: the clock shows clock_s at each of the
-  // instants (rising, on the recording's stamps) and jumps halfway between two of them; none: long
-  // before.
+  // that something that began at different instants begins at one instant of it: the clock shows
+  // clock_s at each of the instants (rising, on the recording's stamps) and jumps halfway between
+  // two of them; none: long before. Replaces an earlier setting.
   void SetClock(int run, const std::vector<double>& instants_s, double clock_s);
   // Turns the map of a shaft, cogging, in one recording: by so much its zero lies elsewhere.
   void SetMotorTurn(int run, double turn_rad);
-  // Offsets set so far; runs that are not named have none.
-  const std::map<int, double>& clocks() const { return clocks_; }
 
   // Takes the mean over its used rows from every window. Columns that this class makes are so.
   void Centre(Eigen::Ref<Eigen::VectorXd> column) const;
@@ -141,7 +135,6 @@ class Design {
   ProcessingOptions options_;
   double rows_per_s_ = 1.0;
   Rows rows_;
-  std::map<int, double> clocks_;
   bool predicted_rate_ = false;
   double beyond_drive_ = 0.0;
   // Effect, its balance and psi.

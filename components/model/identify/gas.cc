@@ -205,14 +205,4 @@ GasWindows MakeGasStates(const std::vector<types::Run>& runs, const actuator::Jo
   return out;
 }
 
-std::string WhyNoGas(const std::vector<types::Run>& runs, const actuator::JointModel& model) {
-  if (!model.Declares(effects::Balance::kGas)) return "the model declares no gas";
-  for (const types::Run& run : runs) {
-    if (!run.Has(types::Signal::kChamberPressure)) return run.name + " has no chamber pressure";
-    if (!run.Has(types::Signal::kValveOpen))
-      return run.name + " does not contain when the valve was open";
-  }
-  return "";
-}
-
 }  // namespace sinew::identify

@@ -17,7 +17,6 @@
 // work), 1e-5 m3/rad per Nm/bar. Pure; allocates; throws std::invalid_argument as MakeStates.
 #pragma once
 
-#include <string>
 #include <vector>
 
 #include "components/base/types/run.h"
@@ -48,8 +47,5 @@ GasWindows MakeGasStates(const std::vector<types::Run>& runs, const actuator::Jo
 
 // dV/dq at an angle, m3/rad, as the model's pneumatic terms say.
 double ChamberSlope_m3_rad(const actuator::JointModel& model, double position_rad);
-
-// Why the recordings show nothing of this balance; empty when they do.
-std::string WhyNoGas(const std::vector<types::Run>& runs, const actuator::JointModel& model);
 
 }  // namespace sinew::identify

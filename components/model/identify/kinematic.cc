@@ -122,14 +122,4 @@ StateSet MakeKinematicStates(const std::vector<types::Run>& runs,
   return states;
 }
 
-std::string WhyNoKinematics(const std::vector<types::Run>& runs,
-                            const actuator::JointModel& model) {
-  if (!model.Declares(effects::Balance::kKinematic)) return "the model declares no kinematics";
-  for (const types::Run& run : runs) {
-    if (!run.Has(types::Signal::kPosition)) return run.name + " has no output angle";
-    if (!run.Has(types::Signal::kMotorPosition)) return run.name + " has no motor angle";
-  }
-  return "";
-}
-
 }  // namespace sinew::identify

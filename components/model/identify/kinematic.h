@@ -18,7 +18,6 @@
 // std::invalid_argument as MakeStates.
 #pragma once
 
-#include <string>
 #include <vector>
 
 #include "components/base/types/run.h"
@@ -38,8 +37,5 @@ StateSet MakeKinematicStates(const std::vector<types::Run>& runs,
 
 // Rms of the torque balance at the moving samples, at the full rate.
 double RawResidualTorque(const StateSet& states, const actuator::JointModel& fitted);
-
-// Why the recordings show nothing of this balance; empty when they do.
-std::string WhyNoKinematics(const std::vector<types::Run>& runs, const actuator::JointModel& model);
 
 }  // namespace sinew::identify

@@ -74,7 +74,7 @@ double BandOfEarlierFilter(const std::vector<types::Run>& runs, types::Signal dr
       if (!(rms > 0.0) || WhiteNoise(std::span(&x, 1)) > kNoNoise * rms) return 0.0;
       const double rate_Hz = segment.rate_Hz();
       const double level = std::pow(kQuietestDrive * rms, 2) / (0.5 * rate_Hz);
-      band_Hz = std::max(band_Hz, BandAbove(x, rate_Hz, level));
+      band_Hz = std::max(band_Hz, PowerDensity(x, rate_Hz).BandAbove(level));
     }
   }
   return band_Hz;
@@ -139,10 +139,11 @@ struct AngleBand {
 };
 AngleBand BandOf(const Eigen::VectorXd& angle, double rate, double inertia,
                  const Eigen::VectorXd& drive_torque, const LowPass& low_pass) {
+  const Spectrum spectrum = PowerDensity(angle, rate);
   const double above_noise =
-      std::min(HighestBandAboveNoise(angle, rate), BandOfLeastError(angle, rate, 2));
-  const double of_angle = inertia * inertia * NoiseDensity(angle, rate);
-  const double drive_noise = drive_torque.size() > 0 ? NoiseDensity(drive_torque, rate) : 0.0;
+      std::min(spectrum.HighestBandAboveNoise(), spectrum.BandOfLeastError(2));
+  const double of_angle = inertia * inertia * spectrum.Noise();
+  const double drive_noise = PowerDensity(drive_torque, rate).Noise();
   if (!(of_angle > 0.0) || !(drive_noise > 0.0)) return {above_noise, 0.0};
   const auto bringing = [&](double variance) {
     return std::pow(variance / (low_pass.passed_twice * of_angle), 0.2) / std::pow(kTwoPi, 0.8);
@@ -150,7 +151,7 @@ AngleBand BandOf(const Eigen::VectorXd& angle, double rate, double inertia,
   const double quiet = bringing(kUnseenShare * drive_noise * 0.5 * rate);
   const double torque = kNoiseShare * Rms(drive_torque);
   return {std::min({above_noise, bringing(torque * torque),
-                    std::max(quiet, BandOfMotion(angle, rate, kMotionShare))}),
+                    std::max(quiet, spectrum.BandOfMotion(kMotionShare))}),
           std::min(above_noise, quiet)};
 }
 
@@ -219,7 +220,8 @@ ProcessingOptions Resolve(const ProcessingOptions& options, const std::vector<ty
   const Eigen::VectorXd velocity =
       WideDifference(Smooth(position, 4, 0.1 * rate, rate), segment.period_s);
   if (!(out.state_cutoff_Hz > 0.0)) {
-    out.state_cutoff_Hz = std::clamp(BandAboveNoise(position, rate), 0.02 * rate, 0.25 * rate);
+    out.state_cutoff_Hz =
+        std::clamp(PowerDensity(position, rate).BandAboveNoise(), 0.02 * rate, 0.25 * rate);
   }
   if (!(out.parallel_cutoff_Hz > 0.0)) out.parallel_cutoff_Hz = 0.25 * out.state_cutoff_Hz;
   if (!(out.rest_velocity > 0.0)) {
@@ -274,7 +276,7 @@ ProcessingOptions FromMotion(const std::vector<types::Run>& runs, const actuator
                                              motor_inertia, drive_torque, low_pass)
                                           .band_Hz);
       }
-      density = std::max(density, NoiseDensity(position, rate));
+      density = std::max(density, PowerDensity(position, rate).Noise());
       const Eigen::VectorXd velocity =
           WideDifference(Smooth(position, out.state_order, std::max(output_Hz, 1e-3 * rate), rate),
                          segment.period_s);

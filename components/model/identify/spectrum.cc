@@ -57,81 +57,70 @@ Spectrum PowerDensity(const Eigen::Ref<const Eigen::VectorXd>& x, double rate_Hz
 
 namespace {
 
-// Four times the median level in the top third of the band.
-double NoiseLevel(const Spectrum& spectrum) {
-  const Eigen::Index n = spectrum.density.size();
-  std::vector<double> top(spectrum.density.begin() + 2 * n / 3, spectrum.density.end());
-  std::nth_element(top.begin(), top.begin() + static_cast<std::ptrdiff_t>(top.size() / 2),
-                   top.end());
-  return 4.0 * top[top.size() / 2];
-}
+constexpr Eigen::Index kFewestLines = 12;
+constexpr double kAboveNoise = 4.0;
 
 }  // namespace
 
-double NoiseDensity(const Eigen::Ref<const Eigen::VectorXd>& x, double rate_Hz) {
-  const Spectrum spectrum = PowerDensity(x, rate_Hz, 1024);
-  return spectrum.density.size() < 12 ? 0.0 : NoiseLevel(spectrum) / 4.0;
+double Spectrum::Noise() const {
+  const Eigen::Index n = density.size();
+  if (n < kFewestLines) return 0.0;
+  std::vector<double> top(density.begin() + 2 * n / 3, density.end());
+  std::nth_element(top.begin(), top.begin() + static_cast<std::ptrdiff_t>(top.size() / 2),
+                   top.end());
+  return top[top.size() / 2];
 }
 
-double HighestBandAboveNoise(const Eigen::Ref<const Eigen::VectorXd>& x, double rate_Hz) {
-  const Spectrum spectrum = PowerDensity(x, rate_Hz, 1024);
-  const Eigen::Index n = spectrum.density.size();
-  if (n < 12) return 0.0;
-  const double level = NoiseLevel(spectrum);
-  for (Eigen::Index i = n - 3; i >= 3; --i) {
-    if (spectrum.density.segment(i - 2, 5).mean() > level) return spectrum.frequency_Hz[i];
+double Spectrum::HighestBandAboveNoise() const {
+  if (density.size() < kFewestLines) return 0.0;
+  const double level = kAboveNoise * Noise();
+  for (Eigen::Index i = density.size() - 3; i >= 3; --i) {
+    if (density.segment(i - 2, 5).mean() > level) return frequency_Hz[i];
   }
-  return spectrum.frequency_Hz[1];
+  return frequency_Hz[1];
 }
 
-double BandOfLeastError(const Eigen::Ref<const Eigen::VectorXd>& x, double rate_Hz,
-                        int derivative) {
-  const Spectrum spectrum = PowerDensity(x, rate_Hz, 1024);
-  if (spectrum.density.size() < 12) return 0.0;
-  const double noise = NoiseLevel(spectrum) / 4.0;
+double Spectrum::BandOfLeastError(int derivative) const {
+  if (density.size() < kFewestLines) return 0.0;
+  const double noise = Noise();
   double error = 0.0, least = 0.0;  // less that of no signal at all
-  double best = spectrum.frequency_Hz[1];
-  for (Eigen::Index i = 1; i < spectrum.density.size(); ++i) {
-    error +=
-        std::pow(spectrum.frequency_Hz[i], 2 * derivative) * (2.0 * noise - spectrum.density[i]);
+  double best = frequency_Hz[1];
+  for (Eigen::Index i = 1; i < density.size(); ++i) {
+    error += std::pow(frequency_Hz[i], 2 * derivative) * (2.0 * noise - density[i]);
     if (error >= least) continue;
     least = error;
-    best = spectrum.frequency_Hz[i];
+    best = frequency_Hz[i];
   }
   return best;
 }
 
-double BandOfMotion(const Eigen::Ref<const Eigen::VectorXd>& x, double rate_Hz, double share) {
-  const Spectrum spectrum = PowerDensity(x, rate_Hz, 1024);
-  if (spectrum.density.size() < 12) return 0.0;
-  const Eigen::ArrayXd above = (spectrum.density.array() - NoiseLevel(spectrum)).max(0.0) *
-                               spectrum.frequency_Hz.array().square();
+double Spectrum::BandOfMotion(double share) const {
+  if (density.size() < kFewestLines) return 0.0;
+  const Eigen::ArrayXd above =
+      (density.array() - kAboveNoise * Noise()).max(0.0) * frequency_Hz.array().square();
   const double wanted = share * above.sum();
   double sum = 0.0;
   for (Eigen::Index i = 0; i < above.size(); ++i) {
     sum += above[i];
-    if (sum >= wanted) return spectrum.frequency_Hz[i];
+    if (sum >= wanted) return frequency_Hz[i];
   }
-  return spectrum.frequency_Hz[1];
+  return frequency_Hz[1];
 }
 
-double BandAbove(const Eigen::Ref<const Eigen::VectorXd>& x, double rate_Hz, double level) {
-  const Spectrum spectrum = PowerDensity(x, rate_Hz, 1024);
-  for (Eigen::Index i = spectrum.density.size() - 1; i > 0; --i) {
-    if (spectrum.density[i] > level) return spectrum.frequency_Hz[i];
+double Spectrum::BandAbove(double level) const {
+  for (Eigen::Index i = density.size() - 1; i > 0; --i) {
+    if (density[i] > level) return frequency_Hz[i];
   }
   return 0.0;
 }
 
-double BandAboveNoise(const Eigen::Ref<const Eigen::VectorXd>& x, double rate_Hz) {
-  const Spectrum spectrum = PowerDensity(x, rate_Hz, 1024);
-  const Eigen::Index n = spectrum.density.size();
-  if (n < 12) return 0.0;
-  const double level = NoiseLevel(spectrum);
-  for (Eigen::Index i = 1; i < n; ++i) {
-    if (spectrum.density[i] < level) return spectrum.frequency_Hz[i];
+double Spectrum::BandAboveNoise() const {
+  if (density.size() < kFewestLines) return 0.0;
+  const double level = kAboveNoise * Noise();
+  for (Eigen::Index i = 1; i < density.size(); ++i) {
+    if (density[i] < level) return frequency_Hz[i];
   }
-  return spectrum.frequency_Hz[n - 1];
+  return frequency_Hz[density.size() - 1];
 }
 
 }  // namespace sinew::identify

@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "components/base/types/median.h"
-#include "components/model/identify/too_little_data.h"
 
 namespace sinew::identify {
 
@@ -210,20 +209,15 @@ UniformRun MakeUniform(const types::Run& run, double longest_gap_s, int fewest_r
 
   double rate_sum = 0.0;
   double rate_rows = 0.0;
-  double jitter_squares = 0.0;
   bool decided = false;
   for (Eigen::Index first = 0; first < time.size();) {
     Eigen::Index last = first;
     while (last + 1 < time.size() && steps[last] <= gap) ++last;
     const Eigen::Index count = last - first + 1;
     const Eigen::Index from = std::exchange(first, last + 1);
-    if (count < fewest_rows) {
-      out.sampling.dropped_rows += count;
-      continue;
-    }
+    if (count < fewest_rows) continue;
     Piece piece = FitPiece(time, from, count, median);
     UniformSegment& segment = piece.segment;
-    jitter_squares += piece.squares_s2;
     rate_sum += static_cast<double>(count) / segment.period_s;
     rate_rows += static_cast<double>(count);
     segment.valid.assign(static_cast<std::size_t>(piece.rows.back() + 1), 1);
@@ -255,7 +249,6 @@ UniformRun MakeUniform(const types::Run& run, double longest_gap_s, int fewest_r
                         std::to_string(fewest_rows) + " rows without a gap");
   }
   out.sampling.rate_Hz = rate_sum / rate_rows;
-  out.sampling.jitter_rms_s = std::sqrt(jitter_squares / rate_rows);
   return out;
 }
 

@@ -12,12 +12,19 @@
 
 #include <Eigen/Core>
 #include <map>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "components/base/types/run.h"
 
 namespace sinew::identify {
+
+// Recordings that are well formed, but too short or with too little motion for the request. The
+// caller reports it as a result; it is no usage error.
+struct TooLittleData : std::invalid_argument {
+  using std::invalid_argument::invalid_argument;
+};
 
 struct UniformSegment {
   double start_s = 0.0;
@@ -47,11 +54,9 @@ Eigen::VectorXd OutputPosition(const UniformSegment& segment, double gear_ratio,
 
 struct SamplingReport {
   double rate_Hz = 0.0;
-  double jitter_rms_s = 0.0;      // stamps against the grid
-  Eigen::Index lost_rows = 0;     // inside pieces
-  Eigen::Index dropped_rows = 0;  // in pieces too short to be used
-  bool even = false;              // rows were copied
-  bool stamps_used = true;        // false: row numbers were smoother
+  Eigen::Index lost_rows = 0;  // inside pieces
+  bool even = false;           // rows were copied
+  bool stamps_used = true;     // false: row numbers were smoother
 };
 
 struct UniformRun {

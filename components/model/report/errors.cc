@@ -20,13 +20,10 @@ void AddBalance(const trace::Assessment& assessed, effects::Balance balance,
 }
 
 // A model that runs away is worse than one that does not; what is within the rule's limit is not.
-bool Worse(double after, double before) {
+bool Worse(double after, double before, const trace::InForce& in_force) {
   if (!std::isfinite(after)) return std::isfinite(before);
-  return after > trace::rules::kRaises.limit * before;
+  return after > in_force.Limit(trace::rules::kRaises) * before;
 }
-
-// Does the added effect raise the error, or did the refit of the declared terms?
-bool EffectRaises(const ErrorLine& line) { return Worse(line.corrected, line.refitted); }
 
 }  // namespace
 
@@ -55,10 +52,12 @@ std::vector<ErrorLine> ErrorTable(const Report& report) {
 }
 
 std::vector<ErrorLine> Rises(const Report& report) {
+  const trace::InForce& in_force = report.trace.in_force;
   std::vector<ErrorLine> out;
   for (ErrorLine& line : ErrorTable(report)) {
     if (line.key == "train") continue;
-    if (Worse(line.corrected, line.declared) || Worse(line.corrected, line.refitted)) {
+    if (Worse(line.corrected, line.declared, in_force) ||
+        Worse(line.corrected, line.refitted, in_force)) {
       out.push_back(std::move(line));
     }
   }
@@ -68,7 +67,9 @@ std::vector<ErrorLine> Rises(const Report& report) {
 std::string RiseSentence(const Report& report) {
   std::string by_effect, by_refit;
   for (const ErrorLine& line : Rises(report)) {
-    std::string& to = EffectRaises(line) ? by_effect : by_refit;
+    // Does the added effect raise the error, or did the refit of the declared terms?
+    const bool effect = Worse(line.corrected, line.refitted, report.trace.in_force);
+    std::string& to = effect ? by_effect : by_refit;
     to += (to.empty() ? "" : "; ") + line.what + ": " + ThreeErrors(line);
   }
   std::string out;

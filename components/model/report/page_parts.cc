@@ -22,7 +22,7 @@ Section RecordingsSection(const std::vector<Recording>& train,
 Section FaultSection(const gate::GateReport& gate) {
   Section out = TableSection("Faults of the data",
                              {"rule", "where", "statistic", "limit", "reason", "remedy"});
-  for (const identify::Finding& finding : gate.findings) {
+  for (const gate::Finding& finding : gate.findings) {
     if (finding.name == gate::kLeftOutRows) out.paragraphs.push_back(finding.text);
   }
   for (const gate::Fault& fault : gate.faults) {
@@ -42,7 +42,7 @@ Section FaultSection(const gate::GateReport& gate) {
 
 Section DataSection(const gate::GateReport& gate) {
   Section out = TableSection("The data", {"finding", "what"}, "", true);
-  for (const identify::Finding& finding : gate.findings) {
+  for (const gate::Finding& finding : gate.findings) {
     if (finding.name != gate::kLeftOutRows) out.Add({finding.name, finding.text});
   }
   return out;

@@ -8,14 +8,13 @@
 #include <string>
 
 #include "components/model/identify/statistics.h"
-#include "components/model/identify/too_little_data.h"
+#include "components/model/identify/uniform.h"
 #include "components/model/shooting/shooting_problem.h"
-#include "components/model/trace/agreed_set.h"
 #include "components/model/trace/assessment.h"
 #include "components/model/trace/facts.h"
+#include "components/model/trace/problem.h"
 #include "components/model/trace/reported.h"
 #include "components/model/trace/sensitivity.h"
-#include "components/model/trace/set_model.h"
 #include "components/model/trace/set_search.h"
 
 namespace sinew::shooting {
@@ -107,19 +106,13 @@ class Closer {
     problem_ = &problem;
     if (first) NoteFirst(regression);
     const trace::BootstrapOptions bootstrap = trace::BootstrapOf(options_);
-    const std::set<std::string> unasked = trace::Unasked(problem, options_.agreed);
     for (int search = 0; search < kMostSearches; ++search) {
-      std::set<std::string> excluded = *refused;
-      excluded.insert(unasked.begin(), unasked.end());
-      trace::SetAssessment assessed =
-          trace::AssessSets(problem, regression.blocks, joint_.balance, 1, bootstrap, excluded);
-      if (options_.agreed) {
-        trace::ChooseAgreed(problem, *options_.agreed, excluded, &assessed);
-      }
+      trace::SetAssessment assessed = trace::AssessSets(problem, regression.blocks, joint_.balance,
+                                                        1, bootstrap, *refused, options_.agreed);
       if (first && search == 0) NoteSearch(problem, assessed);
       out_.unexplained = assessed.unexplained;
       if (assessed.chosen.empty() || !adds) return false;
-      const Corrected with = Choose(excluded, &assessed);
+      const Corrected with = Choose(*refused, &assessed);
       if (Add(assessed, with, !first || search > 0)) return true;
       refused->insert(problem.hypotheses()[assessed.chosen.members.front()].name);
     }
@@ -191,7 +184,7 @@ class Closer {
       const trace::Hypothesis& h = problem_->hypotheses()[sets[k].members.front()];
       possible[h.name] = {best - gains[k], h.columns.size() + h.effect->info().nonlinear.size()};
     }
-    assessed->posteriors = {trace::PosteriorOfNames(best, possible)};
+    assessed->posteriors = {trace::PosteriorOfNames(best, possible, options_.in_force)};
     const auto named = std::find_if(sets.begin(), sets.end(), [&](const EffectSet& set) {
       return problem_->hypotheses()[set.members.front()].name ==
              assessed->posteriors.front().front().name;
@@ -239,7 +232,7 @@ class Closer {
     trace::Facts facts;
     facts.curve = trace::CurveBeside(*problem_, set);
     AssessSlope(with.model, &facts);
-    Score(facts, second, &found);
+    trace::Judge(facts, Refuted(found, second), options_.in_force, &found);
     return found;
   }
 
@@ -265,22 +258,6 @@ class Closer {
     facts->blocks = static_cast<int>(there.blocks.size());
   }
 
-  void Score(const trace::Facts& facts, bool second, FoundEffect* found) const {
-    found->score = facts.Score();
-    found->curve = facts.curve;
-    trace::Confirmation& said = found->confirmation;
-    said = facts.AsConfirmation();
-    const std::optional<trace::Refusal> refusal = Refuted(*found, second);
-    if (refusal) {
-      said.verdict = ConfirmationVerdict::kRefuted;
-      found->refusal = *refusal;
-    } else if (found->score >= options_.in_force.Limit(rules::kScore)) {
-      said.verdict = ConfirmationVerdict::kConfirmed;
-    } else {
-      found->refusal = options_.in_force.RefusedBy(rules::kScore, found->score);
-    }
-  }
-
   // Refusal of what raises the held-out error; and of a further effect that takes no more of the
   // squared error than the shape of those before it may leave.
   std::optional<trace::Refusal> Refuted(const FoundEffect& found, bool second) const {
@@ -304,14 +281,8 @@ class Closer {
         found.fitted[k] = actuator::PhysicalTerm(out_.corrected, found.term + static_cast<int>(k));
       }
     }
-    trace::NoteOutcome(out_, &out_.scores);
-    trace::Sensitivity sensitivity =
-        trace::FindSensitivity(*searched_, out_.detectable, trace::Shown(out_));
-    out_.not_excited = std::move(sensitivity.not_excited);
-    out_.assessed = std::move(sensitivity.assessed);
+    trace::Conclude(*searched_, &out_);
     NoteShifts();
-    for (auto* list : {&out_.effects, &out_.open, &out_.refuted}) trace::SortByGain(list);
-    out_.verdict = trace::VerdictOf(out_);
   }
 
   // Declared parameters that moved by their tolerance or more.
@@ -374,8 +345,8 @@ trace::LoopResult CloseBySimulation(const std::vector<types::Run>& train,
   loop.processing = options.processing ? identify::Resolve(*options.processing, train)
                                        : ProcessingOf(train, joint, longest_gap_s);
   try {
-    const Recordings trained(train, joint, loop.processing, make_body);
-    const Recordings tested(held_out, joint, loop.processing, make_body);
+    const Recordings trained(train, joint, loop.processing, make_body, options.in_force);
+    const Recordings tested(held_out, joint, loop.processing, make_body, options.in_force);
     for (const auto& [recordings, rule] :
          {std::pair{&trained, &rules::kBlocks}, std::pair{&tested, &rules::kHeldOutBlocks}}) {
       const auto pieces = static_cast<double>(recordings->pieces().size());

@@ -7,11 +7,9 @@
 
 #include "components/model/identify/spectrum.h"
 #include "components/model/identify/statistics.h"
-#include "components/model/identify/too_little_data.h"
 #include "components/model/identify/uniform.h"
 #include "components/model/trace/nuisances.h"
 #include "components/model/trace/problem.h"
-#include "components/model/trace/rules.h"
 #include "components/model/trace/used_rows.h"
 
 namespace sinew::shooting {
@@ -31,7 +29,7 @@ constexpr double kByHand_rad = 0.1;
 
 // One period of the motion, exact for a sine; shorter where the recordings are: twice as many
 // pieces as inference needs blocks.
-double PieceLength(const std::vector<StateSegment>& segments) {
+double PieceLength(const std::vector<StateSegment>& segments, const trace::InForce& in_force) {
   double sum = 0.0, squares = 0.0, speeds = 0.0, rows = 0.0, seconds = 0.0;
   for (const StateSegment& segment : segments) {
     for (const JointSample& x : segment.samples) {
@@ -44,7 +42,7 @@ double PieceLength(const std::vector<StateSegment>& segments) {
   }
   const double variance = std::max(0.0, squares - sum * sum / rows);
   const double period = 2.0 * std::numbers::pi * std::sqrt(variance / std::max(speeds, 1e-300));
-  const double most = seconds / (2.0 * trace::rules::kBlocks.limit);
+  const double most = seconds / (2.0 * in_force.Limit(trace::rules::kBlocks));
   return std::clamp(std::min(period, most), kShortest_s, kLongest_s);
 }
 
@@ -65,7 +63,8 @@ identify::ProcessingOptions ProcessingOf(const std::vector<types::Run>& runs,
     for (const identify::UniformSegment& segment : uniform.segments) {
       const auto at = segment.signals.find(types::Signal::kPosition);
       if (at == segment.signals.end()) continue;
-      band_Hz = std::max(band_Hz, identify::BandOfLeastError(at->second, segment.rate_Hz(), 1));
+      band_Hz = std::max(band_Hz,
+                         identify::PowerDensity(at->second, segment.rate_Hz()).BandOfLeastError(1));
     }
   }
   out.state_cutoff_Hz = std::max(out.state_cutoff_Hz, band_Hz);
@@ -73,7 +72,8 @@ identify::ProcessingOptions ProcessingOf(const std::vector<types::Run>& runs,
 }
 
 Recordings::Recordings(const std::vector<types::Run>& runs, const actuator::JointModel& joint,
-                       const identify::ProcessingOptions& processing, free_run::MakeBody make_body)
+                       const identify::ProcessingOptions& processing, free_run::MakeBody make_body,
+                       const trace::InForce& in_force)
     : design_(identify::MakeStates(runs, joint, processing), processing),
       make_body_(std::move(make_body)),
       servo_(joint.controller) {
@@ -84,7 +84,7 @@ Recordings::Recordings(const std::vector<types::Run>& runs, const actuator::Join
   std::iota(all.rows.begin(), all.rows.end(), Eigen::Index{0});
   machine_ = trace::SizeOf(design_, all, joint);
   SetDeviations(runs, joint);
-  piece_s_ = PieceLength(segments);
+  piece_s_ = PieceLength(segments, in_force);
   Cut();
   while (piece_s_ > kShortest_s && Growth(joint) > kMostGrowth) {
     piece_s_ = std::max(kShortest_s, 0.5 * piece_s_);

@@ -20,6 +20,7 @@
 #include "components/model/free_run/simulation.h"
 #include "components/model/identify/design.h"
 #include "components/model/trace/machine_size.h"
+#include "components/model/trace/rules.h"
 
 namespace sinew::shooting {
 
@@ -57,9 +58,11 @@ identify::ProcessingOptions ProcessingOf(const std::vector<types::Run>& runs,
 class Recordings {
  public:
   // processing: resolved. Throws std::invalid_argument as identify::MakeStates, and
-  // identify::TooLittleData where no piece is left.
+  // identify::TooLittleData where no piece is left. in_force: of the run, which decides how many
+  // pieces there have to be.
   Recordings(const std::vector<types::Run>& runs, const actuator::JointModel& joint,
-             const identify::ProcessingOptions& processing, free_run::MakeBody make_body);
+             const identify::ProcessingOptions& processing, free_run::MakeBody make_body,
+             const trace::InForce& in_force);
 
   const identify::Design& design() const { return design_; }
   const std::vector<Piece>& pieces() const { return pieces_; }

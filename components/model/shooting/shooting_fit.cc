@@ -10,7 +10,7 @@
 #include <stdexcept>
 
 #include "components/model/identify/statistics.h"
-#include "components/model/trace/range.h"
+#include "components/model/trace/machine_size.h"
 
 namespace sinew::shooting {
 

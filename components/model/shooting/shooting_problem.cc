@@ -9,7 +9,7 @@
 
 #include "components/model/identify/statistics.h"
 #include "components/model/trace/candidates.h"
-#include "components/model/trace/range.h"
+#include "components/model/trace/machine_size.h"
 #include "components/model/trace/set_search.h"
 #include "components/model/trace/used_rows.h"
 

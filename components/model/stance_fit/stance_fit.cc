@@ -4,7 +4,7 @@
 #include <cmath>
 #include <set>
 
-#include "components/model/identify/too_little_data.h"
+#include "components/model/identify/uniform.h"
 #include "components/model/stance_fit/stance_problem.h"
 #include "components/model/stance_fit/stance_sizes.h"
 #include "components/model/trace/assessment.h"
@@ -78,7 +78,8 @@ class Closer {
                        " blocks of rows in use, expected " +
                        std::to_string(static_cast<int>(options_.in_force.Limit(rules::kBlocks))));
     }
-    const int order = LongestOrder(layout_);
+    const int order =
+        trace::LongestOrder(layout_.rate_Hz / layout_.processing.front().state_cutoff_Hz);
     const ChannelNoise noise = EstimateNoise(regression_, order);
     const trace::Problem problem = MakeProblem(regression_, noise);
     const trace::BootstrapOptions bootstrap{.seed = options_.seed};
@@ -214,9 +215,9 @@ class Closer {
       const Eigen::VectorXd part = held_out.bank.columns(Eigen::all, own) *
                                    with.b.segment(first, static_cast<Eigen::Index>(own.size()));
       StanceEffect& effect = out_.effects[k];
-      effect.confirmation =
-          trace::ConfirmSlope(Whiten(held_out, noise, rest + part).col(0),
-                              Whiten(held_out, noise, part).col(0), held_out.blocks);
+      effect.confirmation = trace::ConfirmSlope(Whiten(held_out, noise, rest + part).col(0),
+                                                Whiten(held_out, noise, part).col(0),
+                                                held_out.blocks, options_.in_force);
       trace::Facts facts;
       facts.curve = curve;
       facts.SetSlope(effect.confirmation);
@@ -299,29 +300,20 @@ class Closer {
   }
 
   void NoteDetectable(const trace::Problem& problem, double statistic) {
-    constexpr double kInexact = 1.15;  // as trace/sensitivity.cc
     for (const Hypothesis& h : regression_.bank.hypotheses) {
       if (!h.physical()) continue;
-      const Eigen::Index j = h.columns.front();
-      const double reduced = problem.evidence.reduced()(j, j);
-      if (!(problem.evidence.FreeShare(j) >= options_.in_force.Limit(rules::kAbsorbed)) ||
-          !(reduced > 0.0))
-        continue;
-      const double needed =
-          trace::NeededGain(h, problem.evidence.misfit(), problem.evidence.Occam(h.columns),
-                            statistic, HUGE_VAL, options_.in_force);
-      const double size = kInexact *
-                          trace::SizeForPower(needed, static_cast<int>(h.columns.size()), 0.0) /
-                          std::sqrt(reduced);
+      const std::optional<double> size =
+          trace::DetectableCoefficient(problem, h, h.columns.front(), statistic, HUGE_VAL, 0.0);
+      if (!size) continue;
       const auto known =
           std::find_if(out_.detectable.begin(), out_.detectable.end(),
                        [&](const SmallestSize& entry) { return entry.effect == h.name; });
       const std::string parameter =
           effects::ParameterKey(h.effect->info().linear.front(), types::JointKind::kRevolute);
       if (known == out_.detectable.end()) {
-        out_.detectable.push_back({h.name, parameter, size});
+        out_.detectable.push_back({h.name, parameter, *size});
       } else {
-        known->size = std::min(known->size, size);
+        known->size = std::min(known->size, *size);
       }
     }
   }

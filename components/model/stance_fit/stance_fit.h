@@ -31,7 +31,6 @@
 #include <vector>
 
 #include "components/model/stance_fit/stance_model.h"
-#include "components/model/trace/confirmation.h"
 #include "components/model/trace/posterior.h"
 #include "components/model/trace/trace_result.h"
 

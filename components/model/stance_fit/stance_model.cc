@@ -8,10 +8,11 @@
 #include <optional>
 #include <stdexcept>
 
+#include "components/model/identify/differentiate.h"
+#include "components/model/identify/iir_filter.h"
 #include "components/model/identify/processing.h"
 #include "components/model/identify/statistics.h"
-#include "components/model/identify/too_little_data.h"
-#include "components/model/stance_fit/signals.h"
+#include "components/model/identify/uniform.h"
 
 namespace sinew::stance_fit {
 
@@ -64,6 +65,47 @@ arm::Carried FindLink(const arm::Chain& chain, const arm::MovingLinks& links,
     if (chain.bodies[i].link_name == name) return links.bodies[i];
   }
   throw std::invalid_argument("robot '" + chain.name + "' has no link '" + name + "'");
+}
+
+// Low-pass and derivative as those of the angles of joints (identify/processing.h), of columns of a
+// matrix whose rows are on an even grid.
+Eigen::MatrixXd SmoothColumns(const Eigen::MatrixXd& x, const identify::ProcessingOptions& options,
+                              double rate_Hz) {
+  Eigen::MatrixXd out(x.rows(), x.cols());
+  for (Eigen::Index c = 0; c < x.cols(); ++c) {
+    out.col(c) = identify::Smooth(x.col(c), options.state_order, options.state_cutoff_Hz, rate_Hz);
+  }
+  return out;
+}
+
+Eigen::MatrixXd RateOfColumns(const Eigen::MatrixXd& x, double period_s) {
+  Eigen::MatrixXd out(x.rows(), x.cols());
+  for (Eigen::Index c = 0; c < x.cols(); ++c) {
+    out.col(c) = identify::WideDifference(x.col(c), period_s);
+  }
+  return out;
+}
+
+// A joint that travels less than this many steps of its encoder stands: its direction is rounding.
+constexpr double kLeastCounts = 50.0;
+
+// Returns whether a joint travels by more than rounding.
+bool Travels(const std::vector<types::Run>& runs) {
+  double low = HUGE_VAL, high = -HUGE_VAL, step = 0.0;
+  for (const types::Run& run : runs) {
+    const Eigen::VectorXd& q = run.At(types::Signal::kPosition);
+    low = std::min(low, q.minCoeff());
+    high = std::max(high, q.maxCoeff());
+    step = std::max(step, identify::Resolution(q));
+  }
+  return high - low > kLeastCounts * step;
+}
+
+// Without the turn about the vertical.
+Eigen::Quaterniond WithoutHeading(const Eigen::Quaterniond& orientation) {
+  const Eigen::Vector3d forward = orientation * Eigen::Vector3d::UnitX();
+  const double heading = std::atan2(forward.y(), forward.x());
+  return Eigen::AngleAxisd(-heading, Eigen::Vector3d::UnitZ()) * orientation;
 }
 
 [[noreturn]] void Fail(const StanceRecording& recording, const std::string& what) {

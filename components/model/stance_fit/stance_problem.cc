@@ -26,7 +26,6 @@ constexpr const char* kFriction[] = {"coulomb",
 constexpr const char* kTorqueConstant = "torque_constant_gain";
 // Polynomials of a free curve over a joint's angle or velocity, the constant one first.
 constexpr int kCurveOrders = 6;
-// Misfit that a free parameter takes from white noise, twice over: Akaike's criterion.
 // Blocks of the intervals: so long that what plain least squares leaves is not correlated across
 // them; fewer would widen Student's t.
 constexpr std::size_t kLongBlocks = 10;
@@ -375,11 +374,6 @@ Eigen::VectorXd Channel(const Eigen::Ref<const Eigen::VectorXd>& stacked, Eigen:
 Regression MakeRegression(const StanceModel& model, const StanceLayout& layout,
                           const std::vector<StanceRows>& recordings, const Tolerances& tolerances) {
   return Builder(model, layout, recordings, tolerances).Build();
-}
-
-int LongestOrder(const StanceLayout& layout) {
-  const double rows_per_period = layout.rate_Hz / layout.processing.front().state_cutoff_Hz;
-  return static_cast<int>(std::clamp(std::ceil(2.0 * rows_per_period), 6.0, 40.0));
 }
 
 ChannelNoise NoiseOf(const Regression& regression,

@@ -54,9 +54,6 @@ ChannelNoise NoiseOf(const Regression& regression,
 Eigen::MatrixXd Whiten(const Regression& regression, const ChannelNoise& noise,
                        const Eigen::Ref<const Eigen::MatrixXd>& columns);
 
-// Rows over which the noise may be coloured, as trace::LongestOrder.
-int LongestOrder(const StanceLayout& layout);
-
 trace::Problem MakeProblem(const Regression& regression, const ChannelNoise& noise);
 
 // Noise of what the declared columns and the best set of effects leave. Not of the richest model:

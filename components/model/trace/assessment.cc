@@ -196,7 +196,7 @@ class Assessor {
         possible[name] = {out_.chosen.net - other.net, Parameters(h)};
         if (h.asked == Asked::kRival) only_rivals.insert(name);
       }
-      Posterior posterior = PosteriorOfNames(out_.chosen.net - without.net, possible);
+      Posterior posterior = PosteriorOfNames(out_.chosen.net - without.net, possible, in_force_);
       const auto leads = std::find_if(
           posterior.begin(), posterior.end(),
           [&](const NameProbability& entry) { return !only_rivals.contains(entry.name); });
@@ -268,8 +268,21 @@ class Assessor {
 
 SetAssessment AssessSets(const Problem& problem, const std::vector<identify::Block>& blocks,
                          effects::Balance balance, std::size_t largest_set,
-                         const BootstrapOptions& bootstrap, const std::set<std::string>& refuted) {
-  return Assessor(problem, blocks, balance, bootstrap, refuted).Run(largest_set);
+                         const BootstrapOptions& bootstrap, const std::set<std::string>& refuted,
+                         const std::optional<std::set<std::string>>& agreed) {
+  if (!agreed) return Assessor(problem, blocks, balance, bootstrap, refuted).Run(largest_set);
+  std::set<std::string> excluded = refuted, asked = *agreed;
+  for (const Hypothesis& h : problem.hypotheses()) {
+    if (h.physical() && !agreed->contains(h.name)) excluded.insert(h.name);
+  }
+  for (const std::string& name : refuted) asked.erase(name);
+  SetAssessment out = Assessor(problem, blocks, balance, bootstrap, excluded).Run(largest_set);
+  out.chosen = FitAgreedSet(problem.choices(), asked);
+  out.posteriors.clear();  // the rotations have them
+  for (const std::size_t member : out.chosen.members) {
+    out.posteriors.push_back({{problem.hypotheses()[member].name, 1.0}});
+  }
+  return out;
 }
 
 }  // namespace sinew::trace

@@ -8,6 +8,8 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -36,10 +38,12 @@ inline BootstrapOptions BootstrapOf(const TraceOptions& options) {
   return {kRoundsOfSearch * options.searches, options.searches, options.seed};
 }
 
-// blocks: of the whitened rows; refuted: names of hypotheses that are excluded.
+// blocks: of the whitened rows; refuted: names of hypotheses that are excluded. agreed: no others
+// are asked for, and the set that is selected is all of them, but for those.
 SetAssessment AssessSets(const Problem& problem, const std::vector<identify::Block>& blocks,
                          effects::Balance balance, std::size_t largest_set,
                          const BootstrapOptions& bootstrap,
-                         const std::set<std::string>& refuted = {});
+                         const std::set<std::string>& refuted = {},
+                         const std::optional<std::set<std::string>>& agreed = {});
 
 }  // namespace sinew::trace

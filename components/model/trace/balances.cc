@@ -17,45 +17,69 @@ namespace {
 constexpr std::size_t kFewestTrainRows = 200;
 constexpr std::size_t kFewestHeldOutRows = 50;
 
-BalanceDesigns KinematicSight(const std::vector<types::Run>& train,
-                              const std::vector<types::Run>& held_out,
-                              const actuator::JointModel& model,
-                              const identify::ProcessingOptions& motion) {
-  BalanceDesigns out;
-  for (const auto* runs : {&train, &held_out}) {
-    out.why_not = identify::WhyNoKinematics(*runs, model);
-    if (!out.why_not.empty()) return out;
+constexpr int kFewestWindows = 4;
+
+// A signal that a balance cannot do without, and how a recording that lacks it is described.
+struct Need {
+  effects::Balance balance;
+  types::Signal signal;
+  const char* lack;
+};
+constexpr Need kNeeds[] = {
+    {effects::Balance::kKinematic, types::Signal::kPosition, " has no output angle"},
+    {effects::Balance::kKinematic, types::Signal::kMotorPosition, " has no motor angle"},
+    {effects::Balance::kGas, types::Signal::kChamberPressure, " has no chamber pressure"},
+    {effects::Balance::kGas, types::Signal::kValveOpen,
+     " does not contain when the valve was open"}};
+
+std::string LackOf(const std::vector<types::Run>& runs, effects::Balance balance) {
+  for (const types::Run& run : runs) {
+    for (const Need& need : kNeeds) {
+      if (need.balance == balance && !run.Has(need.signal)) return run.name + need.lack;
+    }
   }
-  identify::StateSet states = identify::MakeKinematicStates(train, model, motion);
-  const identify::ProcessingOptions options = identify::Unfiltered(motion, states.rate_Hz);
-  // The torque that exceeds the torque balance's error is determined on the training recordings.
-  const double residual = identify::RawResidualTorque(states, model);
-  out.train.emplace(std::move(states), options);
-  out.held_out.emplace(identify::MakeKinematicStates(held_out, model, motion, residual), options);
-  if (out.train->rows().UsedRows().size() < kFewestTrainRows ||
-      out.held_out->rows().UsedRows().size() < kFewestHeldOutRows) {
-    out.why_not = "the teeth are hardly ever surely in contact";
-  }
-  return out;
+  return "";
 }
 
-BalanceDesigns GasSight(const std::vector<types::Run>& train,
-                        const std::vector<types::Run>& held_out, const actuator::JointModel& model,
-                        const identify::ProcessingOptions& motion) {
-  constexpr int kFewestWindows = 4;
+// The rows of a balance; none, and why, where the recordings show nothing of it.
+struct BalanceDesigns {
+  std::optional<identify::Design> train, held_out;
+  std::string why_not;  // empty: there is something to see
+};
+
+// model: fitted in the motion balance. motion: options of the torque balance, resolved.
+BalanceDesigns MakeBalanceDesigns(effects::Balance balance, const std::vector<types::Run>& train,
+                                  const std::vector<types::Run>& held_out,
+                                  const actuator::JointModel& model,
+                                  const identify::ProcessingOptions& motion) {
   BalanceDesigns out;
   for (const auto* runs : {&train, &held_out}) {
-    out.why_not = identify::WhyNoGas(*runs, model);
+    out.why_not = LackOf(*runs, balance);
     if (!out.why_not.empty()) return out;
   }
-  identify::GasWindows of_train = identify::MakeGasStates(train, model, motion);
-  identify::GasWindows of_held_out = identify::MakeGasStates(held_out, model, motion);
-  if (of_train.shut < kFewestWindows) out.why_not = "the valve is hardly ever shut in training";
-  if (of_held_out.shut < 1) out.why_not = "the valve is never shut in the held-out recordings";
-  if (!out.why_not.empty()) return out;
-  const identify::ProcessingOptions options = identify::Unfiltered(motion, of_train.states.rate_Hz);
-  out.train.emplace(std::move(of_train.states), options);
-  out.held_out.emplace(std::move(of_held_out.states), options);
+  identify::StateSet of_train, of_held_out;
+  if (balance == effects::Balance::kGas) {
+    identify::GasWindows first = identify::MakeGasStates(train, model, motion);
+    identify::GasWindows second = identify::MakeGasStates(held_out, model, motion);
+    if (first.shut < kFewestWindows) out.why_not = "the valve is hardly ever shut in training";
+    if (second.shut < 1) out.why_not = "the valve is never shut in the held-out recordings";
+    if (!out.why_not.empty()) return out;
+    of_train = std::move(first.states);
+    of_held_out = std::move(second.states);
+  } else {
+    of_train = identify::MakeKinematicStates(train, model, motion);
+    // The torque that exceeds the torque balance's error is determined on the training recordings.
+    of_held_out = identify::MakeKinematicStates(held_out, model, motion,
+                                                identify::RawResidualTorque(of_train, model));
+  }
+  const identify::ProcessingOptions options = identify::Unfiltered(motion, of_train.rate_Hz);
+  out.train.emplace(std::move(of_train), options);
+  out.held_out.emplace(std::move(of_held_out), options);
+  if (balance == effects::Balance::kKinematic &&
+      (out.train->rows().UsedRows().size() < kFewestTrainRows ||
+       out.held_out->rows().UsedRows().size() < kFewestHeldOutRows)) {
+    out.why_not = "the teeth are hardly ever surely in contact";
+  }
   return out;
 }
 
@@ -101,15 +125,6 @@ std::vector<effects::Balance> OtherBalances(const actuator::JointModel& model) {
     if (model.Declares(balance)) out.push_back(balance);
   }
   return out;
-}
-
-BalanceDesigns MakeBalanceDesigns(effects::Balance balance, const std::vector<types::Run>& train,
-                                  const std::vector<types::Run>& held_out,
-                                  const actuator::JointModel& model,
-                                  const identify::ProcessingOptions& motion) {
-  if (balance == effects::Balance::kKinematic)
-    return KinematicSight(train, held_out, model, motion);
-  return GasSight(train, held_out, model, motion);
 }
 
 TraceResult TraceBalance(effects::Balance balance, const std::vector<types::Run>& train,

@@ -15,17 +15,6 @@ namespace sinew::trace {
 // Balances beside the motion's that the model declares, in the order in which they are analysed.
 std::vector<effects::Balance> OtherBalances(const actuator::JointModel& model);
 
-// The rows of one of them; none, and why, where the recordings show nothing of it.
-struct BalanceDesigns {
-  std::optional<identify::Design> train, held_out;
-  std::string why_not;  // empty: there is something to see
-};
-// model: fitted in the motion balance. motion: options of the torque balance, resolved.
-BalanceDesigns MakeBalanceDesigns(effects::Balance balance, const std::vector<types::Run>& train,
-                                  const std::vector<types::Run>& held_out,
-                                  const actuator::JointModel& model,
-                                  const identify::ProcessingOptions& motion);
-
 // Analyses one of them with the model as the motion left it: its rows, its declared terms, its part
 // of the catalogue. motion: options of the torque balance, resolved. When the recordings show
 // nothing of it, the result has no effect and not_excited says why for every effect of that

@@ -112,11 +112,9 @@ double ContactGuard(const std::vector<types::Run>& train, const actuator::JointM
   const Eigen::VectorXd target = balance.target(used);
   const Eigen::VectorXd left = identify::LeftBy(X, target);
   for (std::size_t k = 0; k < used.size(); ++k) {
-    const auto i = static_cast<std::size_t>(used[k]);
-    const identify::StateSegment& segment =
-        design.states().segments[static_cast<std::size_t>(design.rows().segment[i])];
-    if (segment.from_contact_s.empty()) return 0.0;
-    rows.emplace_back(segment.from_contact_s[static_cast<std::size_t>(design.rows().sample[i])],
+    const std::vector<double>& from_contact_s = design.SegmentOf(used[k]).from_contact_s;
+    if (from_contact_s.empty()) return 0.0;
+    rows.emplace_back(from_contact_s[design.rows().SampleOf(used[k])],
                       left[static_cast<Eigen::Index>(k)]);
   }
   std::sort(rows.begin(), rows.end());

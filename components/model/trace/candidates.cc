@@ -208,7 +208,7 @@ CandidateSet MakeCandidates(const identify::Design& design, const actuator::Join
     }
     // An unloaded load cell contains only its own noise; a gain of -1 would remove that noise.
     const bool reads_load = std::count(info.needs.begin(), info.needs.end(), "load_force_N") != 0;
-    if (reads_load && (design.silent_load() || design.states().locked)) {
+    if (reads_load && (design.states().silent_load || design.states().locked)) {
       out.untestable.push_back(
           {name, design.states().locked ? "the motor is locked: the load cell is what is explained"
                                         : "load_force_N contains only noise"});

@@ -25,7 +25,6 @@ void DropFindings(LoopResult* loop) {
   trace.unexplained = {};
   trace.verdict = Verdict::kNone;
   trace.corrected = trace.declared;
-  trace.corrected_fit = trace.declared_fit;
   trace.after_train = trace.before_train;
   trace.after_held_out = trace.before_held_out;
   loop->train->PredictDrive(trace.corrected);

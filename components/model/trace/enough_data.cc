@@ -22,14 +22,16 @@ std::string Sentence(const char* of, const identify::Design& design, double stat
       of, MovingTime(design), statistic, counted, rule.limit);
 }
 
-}  // namespace
-
+// Used rows over blocks of at least the length over which noise may be coloured (problem.h), and no
+// more blocks than inference makes of them (used_rows.h).
 int IndependentBlocks(const identify::Design& design) {
   const UsedRows used = MakeUsedRows(design, kFewestRowsPerBlock);
   const auto length = std::max<Eigen::Index>(kFewestRowsPerBlock, LongestOrder(design));
   return static_cast<int>(
       std::min<Eigen::Index>(used.size() / length, static_cast<Eigen::Index>(used.blocks.size())));
 }
+
+}  // namespace
 
 std::optional<TooLittle> FindTooLittle(const identify::Design& train,
                                        const identify::Design& held_out,

@@ -18,10 +18,6 @@ struct TooLittle {
   std::string reason;  // one sentence
 };
 
-// Used rows over blocks of at least the length over which noise may be coloured (problem.h), and no
-// more blocks than inference makes of them (used_rows.h).
-int IndependentBlocks(const identify::Design& design);
-
 // The first rule that is broken; nothing: there is enough. train, held-out: raw rows.
 std::optional<TooLittle> FindTooLittle(const identify::Design& train,
                                        const identify::Design& held_out,

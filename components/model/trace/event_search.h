@@ -21,8 +21,9 @@
 #include <vector>
 
 #include "components/model/effects/effect.h"
+#include "components/model/identify/balance.h"
 #include "components/model/identify/design.h"
-#include "components/model/identify/fit.h"
+#include "components/model/trace/rules.h"
 
 namespace sinew::trace {
 
@@ -61,5 +62,18 @@ std::vector<std::vector<double>> LocateTimedEffect(const identify::Design& desig
 // happen it never begins.
 void SetClocksBy(const TimedEffect& event, const std::vector<std::vector<double>>& start_s,
                  identify::Design* design);
+
+// Of push_search.cc: the pushes that stand out most by rules::kEventPeak and rules::kEventAlone;
+// residual of every row, in units of the balance, as dry_friction, which only knows the direction
+// of motion. has_play: teeth may touch.
+std::optional<FoundEvent> FindPush(const identify::Design& design,
+                                   std::shared_ptr<const effects::Effect> effect,
+                                   double dry_friction, bool has_play,
+                                   const Eigen::VectorXd& residual, const InForce& in_force);
+
+// Instants, per recording, of pushes of a known length and size theta.
+std::vector<std::vector<double>> LocatePushes(const identify::Design& design, double length_s,
+                                              double theta, double dry_friction,
+                                              const Eigen::VectorXd& residual);
 
 }  // namespace sinew::trace

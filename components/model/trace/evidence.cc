@@ -6,14 +6,6 @@
 
 namespace sinew::trace {
 
-namespace {
-
-Eigen::MatrixXd Part(const Eigen::MatrixXd& G, const Columns& columns) {
-  return G(columns, columns);
-}
-
-}  // namespace
-
 Evidence::Evidence(const Eigen::Ref<const Eigen::MatrixXd>& X, const Prior& prior_of_X,
                    const Eigen::Ref<const Eigen::MatrixXd>& Z,
                    const Eigen::VectorXd& precision_of_Z,
@@ -42,28 +34,25 @@ Evidence::Evidence(const Eigen::Ref<const Eigen::MatrixXd>& X, const Prior& prio
   misfit_ = e.squaredNorm() + (prior_of_X.precision.array() * deviation.array().square()).sum();
 }
 
-Eigen::VectorXd Evidence::Solve(const Columns& columns) const {
-  Eigen::MatrixXd A = Part(G_, columns);
-  Eigen::VectorXd m(static_cast<Eigen::Index>(columns.size()));
+Eigen::MatrixXd Evidence::Normal(const Columns& columns) const {
+  Eigen::MatrixXd out = G_(columns, columns);
   for (std::size_t k = 0; k < columns.size(); ++k) {
     const auto i = static_cast<Eigen::Index>(k);
-    A(i, i) += precision_[columns[k]] + kRidge * power_[columns[k]] + 1e-300;
-    m[i] = m_[columns[k]];
+    out(i, i) += Precision(columns[k]);
   }
-  return A.ldlt().solve(m);
+  return out;
+}
+
+Eigen::VectorXd Evidence::Solve(const Columns& columns) const {
+  const Eigen::VectorXd m = m_(columns);
+  return Normal(columns).ldlt().solve(m);
 }
 
 double Evidence::Occam(const Columns& columns) const {
   if (columns.empty()) return 0.0;
-  Eigen::MatrixXd A = Part(G_, columns);
   double out = 0.0;
-  for (std::size_t k = 0; k < columns.size(); ++k) {
-    const auto i = static_cast<Eigen::Index>(k);
-    const double prior = precision_[columns[k]] + kRidge * power_[columns[k]] + 1e-300;
-    A(i, i) += prior;
-    out -= std::log(prior);
-  }
-  const Eigen::VectorXd d = A.ldlt().vectorD();
+  for (const Eigen::Index column : columns) out -= std::log(Precision(column));
+  const Eigen::VectorXd d = Normal(columns).ldlt().vectorD();
   for (const double value : d) out += std::log(std::max(value, 1e-300));
   return std::max(0.0, out);
 }
@@ -79,12 +68,8 @@ double Evidence::Gain(const Columns& columns) const {
 }
 
 Eigen::MatrixXd Evidence::Covariance(const Columns& columns) const {
-  Eigen::MatrixXd A = Part(G_, columns);
-  for (std::size_t k = 0; k < columns.size(); ++k) {
-    const auto i = static_cast<Eigen::Index>(k);
-    A(i, i) += precision_[columns[k]] + kRidge * power_[columns[k]] + 1e-300;
-  }
-  return A.ldlt().solve(Eigen::MatrixXd::Identity(A.rows(), A.cols()));
+  const auto count = static_cast<Eigen::Index>(columns.size());
+  return Normal(columns).ldlt().solve(Eigen::MatrixXd::Identity(count, count));
 }
 
 Eigen::VectorXd Evidence::Declared(const Columns& columns, const Eigen::VectorXd& c) const {

@@ -57,6 +57,13 @@ class Evidence {
   double FreeShare(Eigen::Index j) const;
 
  private:
+  // Of a column's coefficient: its prior's, and the ridge.
+  double Precision(Eigen::Index column) const {
+    return precision_[column] + kRidge * power_[column] + 1e-300;
+  }
+  // Reduced Gram matrix of some columns with their precisions.
+  Eigen::MatrixXd Normal(const Columns& columns) const;
+
   Eigen::MatrixXd G_;  // reduced Gram matrix of Z
   Eigen::VectorXd m_;  // reduced Z' y
   Eigen::MatrixXd B_;  // (X'X + P)^-1 X'Z

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "components/base/types/angle.h"
+#include "components/model/identify/statistics.h"
 #include "components/model/trace/rules.h"
 
 namespace sinew::trace {
@@ -140,6 +141,21 @@ Confirmation Facts::AsConfirmation() const {
   return out;
 }
 
+void Judge(const Facts& facts, const std::optional<Refusal>& refusal, const InForce& in_force,
+           FoundEffect* found) {
+  found->score = facts.Score();
+  found->curve = facts.curve;
+  found->confirmation = facts.AsConfirmation();
+  if (refusal) {
+    found->confirmation.verdict = ConfirmationVerdict::kRefuted;
+    found->refusal = *refusal;
+  } else if (found->score >= in_force.Limit(rules::kScore)) {
+    found->confirmation.verdict = ConfirmationVerdict::kConfirmed;
+  } else {
+    found->refusal = in_force.RefusedBy(rules::kScore, found->score);
+  }
+}
+
 double CurveBeside(const Problem& problem, const EffectSet& set) {
   const EffectSet with = WithBestCurve(problem.choices(), set);
   if (with.empty() || !(set.net > 0.0)) return 0.0;
@@ -225,6 +241,47 @@ Facts FactsOf(const Problem& problem, const EffectSet& set, std::size_t k,
     if (out.error > 0.0 && std::isfinite(out.error)) out.slope = 1.0 + more[0];
   }
   return out;
+}
+
+Confirmation ConfirmSlope(const Eigen::Ref<const Eigen::VectorXd>& left_over,
+                          const Eigen::Ref<const Eigen::VectorXd>& change,
+                          const std::vector<identify::Block>& blocks, const InForce& in_force) {
+  Confirmation out;
+  out.blocks = static_cast<int>(blocks.size());
+  const double power = change.squaredNorm();
+  // One block has no scatter, whatever the rule allows.
+  const double fewest = std::max(2.0, in_force.Limit(rules::kHeldOutBlocks));
+  if (!(power > 0.0) || static_cast<double>(blocks.size()) < fewest) return out;
+  out.slope = change.dot(left_over) / power;
+  double meat = 0.0;
+  for (const identify::Block& block : blocks) {
+    const auto rows = static_cast<Eigen::Index>(block.size());
+    const auto d = change.segment(block.front(), rows);
+    const double score =
+        d.dot(left_over.segment(block.front(), rows)) - out.slope * d.squaredNorm();
+    meat += score * score;
+  }
+  const auto count = static_cast<double>(blocks.size());
+  const double error = std::sqrt(meat * count / (count - 1.0)) / power;
+  const double half = identify::StudentQuantile(0.975, count - 1.0) * error;
+  out.lower = out.slope - half;
+  out.upper = out.slope + half;
+  return out;
+}
+
+Confirmation ConfirmSlope(const identify::Design& held_out, const identify::FitResult& without,
+                          const identify::FitResult& with, const InForce& in_force) {
+  Likelihood likelihood;
+  likelihood.used = MakeUsedRows(held_out, kFewestRowsPerBlock);
+  const auto left = [&](const identify::FitResult& fit) {
+    identify::FitResult there = fit;
+    there.balance = identify::MakeBalance(held_out, fit.model, fit.balance.fits_scale);
+    return LeftOver(there, likelihood.used);
+  };
+  const Eigen::VectorXd before = left(without), after = left(with);
+  LearnNoise(held_out, after, with.model.balance, &likelihood);
+  return ConfirmSlope(Whiten(likelihood, before), Whiten(likelihood, before - after),
+                      likelihood.used.blocks, in_force);
 }
 
 }  // namespace sinew::trace

@@ -10,7 +10,6 @@
 
 #include <optional>
 
-#include "components/model/trace/confirmation.h"
 #include "components/model/trace/problem.h"
 #include "components/model/trace/trace_result.h"
 
@@ -33,6 +32,10 @@ struct Facts {
   static constexpr double kLeastExpected = 2.5;
 };
 
+// Verdict on an effect by the score of its facts, unless something refuses it.
+void Judge(const Facts& facts, const std::optional<Refusal>& refusal, const InForce& in_force,
+           FoundEffect* found);
+
 // Gain of the best free curve beside a set, share of the set's.
 double CurveBeside(const Problem& problem, const EffectSet& set);
 
@@ -47,5 +50,28 @@ std::vector<ZeroTurn> FindZeroTurns(const Problem& problem, const EffectSet& set
 Facts FactsOf(const Problem& problem, const EffectSet& set, std::size_t k,
               const identify::Design& held_out, const identify::FitResult& declared_fit,
               const Likelihood& train);
+
+// Held-out confirmation of an effect, by a test that is fixed before it is run.
+//
+// The model without the effect and the model with it are fitted to the training recordings. On the
+// held-out ones r is what the first leaves and d the change that the second predicts, both
+// whitened. The slope of r on d is 1 for an effect that is there with the size that training gave
+// it, 0 for one that is not, negative for one that makes the prediction worse:
+//
+//     s = d'r / d'd,   standard error from the scores d_b'(r_b - s d_b) of blocks b
+//
+// A fixed share of the training gain would be wrong: the held-out motion may excite the effect
+// less.
+//
+// From whitened left-over and predicted change; no interval from fewer blocks than the rule
+// held_out_blocks asks for.
+Confirmation ConfirmSlope(const Eigen::Ref<const Eigen::VectorXd>& left_over,
+                          const Eigen::Ref<const Eigen::VectorXd>& change,
+                          const std::vector<identify::Block>& blocks, const InForce& in_force);
+
+// without, with: fitted to the training recordings, of the same declared terms; the drive of
+// held_out must be predicted by `with`.
+Confirmation ConfirmSlope(const identify::Design& held_out, const identify::FitResult& without,
+                          const identify::FitResult& with, const InForce& in_force);
 
 }  // namespace sinew::trace

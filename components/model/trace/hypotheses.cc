@@ -12,7 +12,6 @@
 #include "components/model/trace/machine_size.h"
 #include "components/model/trace/nuisances.h"
 #include "components/model/trace/order_spectrum.h"
-#include "components/model/trace/range.h"
 
 namespace sinew::trace {
 
@@ -65,7 +64,7 @@ class Builder {
         model_(model),
         used_(likelihood.used),
         bank_(*bank) {
-    scale_ = balance.fits_scale ? balance.Scale(balance.nominal) : 1.0;
+    scale_ = balance.Unit(balance.nominal);
     drive_share_ = actuator::DriveShare(model, model.balance);
     const Eigen::VectorXd angle =
         design.Variable([](const effects::JointSample& x) { return x.position_rad; });

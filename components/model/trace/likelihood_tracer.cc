@@ -7,14 +7,13 @@
 #include <set>
 #include <string>
 
-#include "components/model/trace/agreed_set.h"
 #include "components/model/trace/assessment.h"
 #include "components/model/trace/facts.h"
+#include "components/model/trace/problem.h"
 #include "components/model/trace/reported.h"
 #include "components/model/trace/rules.h"
 #include "components/model/trace/sensitivity.h"
-#include "components/model/trace/set_model.h"
-#include "components/model/trace/shift.h"
+#include "components/model/trace/set_search.h"
 
 namespace sinew::trace {
 
@@ -86,8 +85,7 @@ class Correction {
   void WidenIntervals(Design* other, const Likelihood& likelihood) {
     other->UsePredictedRate(whitened_.predicted_rate);
     other->PredictDrive(corrected_.model);
-    const double scale =
-        corrected_.balance.fits_scale ? corrected_.balance.Scale(corrected_.coefficients) : 1.0;
+    const double scale = corrected_.balance.Unit(corrected_.coefficients);
     const Eigen::VectorXd rest =
         identify::ErrorOf(*other, corrected_.model).residual(likelihood.used.rows) / scale;
     const FitResult there =
@@ -279,31 +277,10 @@ class Correction {
     Facts facts = facts_[k];
     if (problem_.hypotheses()[set_.members[k]].effect->info().event) {
       // It began elsewhere there (LocateEvent).
-      facts.SetSlope(ConfirmSlope(held_out_, without, corrected_));
+      facts.SetSlope(ConfirmSlope(held_out_, without, corrected_, options_.in_force));
     }
-    Score(facts, without.model, &found);
+    Judge(facts, RefusalOf(found, facts, without.model), options_.in_force, &found);
     return found;
-  }
-
-  // By the score of its facts; what the drive cannot give or what raises the error is refuted.
-  // without: the model without it.
-  void Score(const Facts& facts, const actuator::JointModel& without, FoundEffect* found) const {
-    found->score = facts.Score();
-    found->curve = facts.curve;
-    Confirmation& said = found->confirmation;
-    said = facts.AsConfirmation();
-    const bool named = found->score >= options_.in_force.Limit(rules::kScore);
-    std::optional<Refusal> refusal = Worsens(*found);
-    if (!refusal && named) refusal = RaisesWhole(without);
-    if (refusal) {
-      said.verdict = ConfirmationVerdict::kRefuted;
-      found->refusal = std::move(*refusal);
-    } else if (named) {
-      said.verdict = ConfirmationVerdict::kConfirmed;
-    } else {
-      said.verdict = ConfirmationVerdict::kNotConfirmed;
-      found->refusal = options_.in_force.RefusedBy(rules::kScore, found->score);
-    }
   }
 
   // Facts of every member of the set, by the drive that the declared terms need.
@@ -325,23 +302,21 @@ class Correction {
     }
   }
 
-  // Refusal of what the drive cannot give, and of what raises the held-out error.
-  std::optional<Refusal> Worsens(const FoundEffect& found) const {
+  // Refusal of what the drive cannot give, of what raises the held-out error, and of what raises
+  // that of everything that the joint is part of, which may lose by what helps the joint alone.
+  // without: the model without it.
+  std::optional<Refusal> RefusalOf(const FoundEffect& found, const Facts& facts,
+                                   const actuator::JointModel& without) const {
+    const InForce& in_force = options_.in_force;
     if (!Drivable(found.held_out_after))
-      return options_.in_force.RefusedBy(rules::kBeyondDrive, BeyondDrive());
-    const double rise = Rise(found);
-    if (rise > options_.in_force.Limit(rules::kRaises))
-      return options_.in_force.RefusedBy(rules::kRaises, rise);
-    return std::nullopt;
-  }
-
-  // Everything that the joint is part of may lose by what helps the joint alone.
-  std::optional<Refusal> RaisesWhole(const actuator::JointModel& without) const {
-    if (!options_.held_out_error) return std::nullopt;
-    const double whole =
-        options_.held_out_error(corrected_.model) / options_.held_out_error(without);
-    if (whole > options_.in_force.Limit(rules::kRaises))
-      return options_.in_force.RefusedBy(rules::kRaises, whole);
+      return in_force.RefusedBy(rules::kBeyondDrive, BeyondDrive());
+    double rise = Rise(found);
+    const double most = in_force.Limit(rules::kRaises);
+    const bool named = facts.Score() >= in_force.Limit(rules::kScore);
+    if (!(rise > most) && named && options_.held_out_error) {
+      rise = options_.held_out_error(corrected_.model) / options_.held_out_error(without);
+    }
+    if (rise > most) return in_force.RefusedBy(rules::kRaises, rise);
     return std::nullopt;
   }
 
@@ -394,7 +369,6 @@ TraceResult TraceByLikelihood(Design& train, Design& held_out, const actuator::J
   result.nominal = model;
   const LikelihoodFit reported = Reported(train, base, model);
   result.declared = reported.fit.model;
-  result.declared_fit = reported.fit;
   result.blocks = static_cast<int>(base.likelihood.used.blocks.size());
   result.block_length_s = base.likelihood.used.block_s;
   result.rows = train.rows().size();
@@ -407,35 +381,24 @@ TraceResult TraceByLikelihood(Design& train, Design& held_out, const actuator::J
   progress("sets of effects and their confirmation", 0.5);
   Correction correction(train, held_out, base, reported, problem, model, options);
   const BootstrapOptions bootstrap = BootstrapOf(options);
-  const std::set<std::string> unasked = Unasked(problem, options.agreed);
   correction.Run(
-      [&](std::set<std::string> refuted) {
-        refuted.insert(unasked.begin(), unasked.end());
-        SetAssessment assessed = AssessSets(problem, base.likelihood.used.blocks, model.balance,
-                                            kLargestSet, bootstrap, refuted);
-        if (options.agreed) ChooseAgreed(problem, *options.agreed, refuted, &assessed);
-        return assessed;
+      [&](const std::set<std::string>& refuted) {
+        return AssessSets(problem, base.likelihood.used.blocks, model.balance, kLargestSet,
+                          bootstrap, refuted, options.agreed);
       },
       &result);
   if (other) correction.WidenIntervals(other_band, *other);
   if (!correction.set().empty()) result.zero_turns = correction.zero_turns();
-  NoteOutcome(result, &result.scores);
   result.detectable =
       FindDetectable(problem, model, correction.least_statistic(), correction.set());
-  Sensitivity sensitivity = FindSensitivity(problem, result.detectable, Shown(result));
-  result.not_excited = std::move(sensitivity.not_excited);
-  result.assessed = std::move(sensitivity.assessed);
-
   result.corrected = correction.corrected().model;
-  result.corrected_fit = correction.corrected();
   train.PredictDrive(result.corrected);
   held_out.PredictDrive(result.corrected);
   result.after_train = identify::ErrorOf(train, result.corrected, model);
   result.after_held_out = identify::ErrorOf(held_out, result.corrected, model);
   const CandidateSet all = MakeCandidates(train, result.corrected, options.in_force);
-  result.shifts = FindShifts(train, model, result.corrected_fit, all.candidates);
-  for (auto* list : {&result.effects, &result.open, &result.refuted}) SortByGain(list);
-  result.verdict = VerdictOf(result);
+  result.shifts = FindShifts(train, model, correction.corrected(), all.candidates);
+  Conclude(problem, &result);
   return result;
 }
 

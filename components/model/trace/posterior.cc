@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "components/model/trace/rules.h"
-
 namespace sinew::trace {
 
 namespace {
@@ -33,8 +31,9 @@ Posterior Sorted(const std::map<std::string, double>& weights, const std::string
 
 }  // namespace
 
-Posterior PosteriorOfNames(double gain, const std::map<std::string, Alternative>& possible) {
-  const double scale = std::max(2.0, rules::kShapeMisfit.limit * gain);
+Posterior PosteriorOfNames(double gain, const std::map<std::string, Alternative>& possible,
+                           const InForce& in_force) {
+  const double scale = std::max(2.0, in_force.Limit(rules::kShapeMisfit) * gain);
   std::map<std::string, double> weights;
   for (const auto& [name, alternative] : possible) {
     // Beside other shapes than those that the set was chosen with, one may gain a little more.

@@ -15,6 +15,8 @@
 #include <string>
 #include <vector>
 
+#include "components/model/trace/rules.h"
+
 namespace sinew::trace {
 
 struct NameProbability {
@@ -31,7 +33,8 @@ struct Alternative {
 
 // gain: the member's net gain beside the others; possible: every name in its place, itself with a
 // loss of 0. Most probable first; those below a hundredth are left out.
-Posterior PosteriorOfNames(double gain, const std::map<std::string, Alternative>& possible);
+Posterior PosteriorOfNames(double gain, const std::map<std::string, Alternative>& possible,
+                           const InForce& in_force);
 
 // The number of them that are named: from the first on as many as hold 90 %, at most three.
 std::size_t NamedCount(const Posterior& posterior);

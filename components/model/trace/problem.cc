@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 #include <string>
+#include <utility>
 
 #include "components/model/identify/statistics.h"
 
@@ -55,13 +56,13 @@ void LeaveOutliers(const identify::Design& design, const Eigen::VectorXd& rest,
                    Likelihood* likelihood) {
   const Eigen::VectorXd e = Whiten(*likelihood, rest);
   const double limit = kOutlier * identify::RobustDeviation({e.begin(), e.end()});
-  std::vector<char> marked(likelihood->used.rows.size(), 0);
-  std::vector<Eigen::Index> kept;
+  std::vector<Eigen::Index> kept, rows;
   for (Eigen::Index i = 0; i < e.size(); ++i) {
-    marked[static_cast<std::size_t>(i)] = std::abs(e[i]) > limit;
-    if (!marked[static_cast<std::size_t>(i)]) kept.push_back(i);
+    if (std::abs(e[i]) > limit) continue;
+    kept.push_back(i);
+    rows.push_back(likelihood->used.rows[static_cast<std::size_t>(i)]);
   }
-  likelihood->used = Without(design, likelihood->used, marked, kFewestRowsPerBlock);
+  likelihood->used = MakeUsedRows(design, std::move(rows), kFewestRowsPerBlock);
   const Eigen::VectorXd clean = rest(kept);
   SetNoiseByRecording(design, clean, likelihood);
 }
@@ -77,9 +78,10 @@ void LearnNoise(const identify::Design& design, const Eigen::Ref<const Eigen::Ve
   }
 }
 
-int LongestOrder(const identify::Design& design) {
-  return static_cast<int>(std::clamp(std::ceil(2.0 * RowsPerPeriod(design)), 6.0, 40.0));
+int LongestOrder(double rows_per_period) {
+  return static_cast<int>(std::clamp(std::ceil(2.0 * rows_per_period), 6.0, 40.0));
 }
+int LongestOrder(const identify::Design& design) { return LongestOrder(RowsPerPeriod(design)); }
 
 Eigen::VectorXd Richest(const Problem& problem) {
   Columns all;
@@ -155,7 +157,7 @@ Problem MakeProblem(const identify::Design& design, const Likelihood& likelihood
   const Eigen::VectorXd precision =
       (bank.spread.array() > 0.0).select(bank.spread.array().square().inverse(), 1e300);
   Evidence evidence(X, bank.prior, Z, precision, y);
-  const double scale = fit.balance.fits_scale ? fit.balance.Scale(fit.coefficients) : 1.0;
+  const double scale = fit.balance.Unit(fit.coefficients);
   const double variance = identify::LeftBy(bank.declared, bank.target).squaredNorm();
   return {std::move(bank), std::move(X),        std::move(Z), std::move(y),
           scale,           std::move(evidence), variance};
@@ -269,6 +271,36 @@ Likelihood CompareBands(identify::Design* other, const actuator::JointModel& dec
     if (!here.steady) here.charge += std::max(0.0, single.net - std::max(0.0, other_single.net));
   }
   return base.likelihood;
+}
+
+actuator::JointModel ModelWith(const actuator::JointModel& declared, const Problem& problem,
+                               const EffectSet& set, std::vector<std::vector<int>>* terms) {
+  actuator::JointModel model = declared;
+  terms->clear();
+  Eigen::Index k = 0;
+  for (const std::size_t member : set.members) {
+    const Hypothesis& h = problem.hypotheses()[member];
+    terms->emplace_back();
+    for (const TermSetting& setting : h.settings) {
+      actuator::Term term;
+      term.effect = h.effect;
+      term.declared = false;
+      for (std::size_t i = 0; i < setting.columns.size(); ++i, ++k) {
+        term.linear.push_back({.value = problem.scale * set.c[k], .half_width_95 = std::nullopt});
+      }
+      const auto& infos = h.effect->info().nonlinear;
+      for (std::size_t i = 0; i < setting.psi.size(); ++i) {
+        actuator::ParameterValue value{.value = setting.psi[i], .half_width_95 = std::nullopt};
+        // Counts stay whole, instants and spans were searched.
+        value.fixed = infos[i].dimension == effects::Dimension::kNone || h.effect->info().event ||
+                      h.effect->info().follows_record;
+        term.nonlinear.push_back(value);
+      }
+      terms->back().push_back(static_cast<int>(model.terms.size()));
+      model.terms.push_back(std::move(term));
+    }
+  }
+  return model;
 }
 
 }  // namespace sinew::trace

@@ -2,7 +2,7 @@
 // declared terms leave. Made once; only CompareBands changes it. Pure; allocates.
 #pragma once
 
-#include "components/model/identify/fit.h"
+#include "components/model/identify/balance.h"
 #include "components/model/trace/evidence.h"
 #include "components/model/trace/hypotheses.h"
 #include "components/model/trace/set_search.h"
@@ -45,6 +45,7 @@ struct Problem {
 // Rows of a block at least.
 inline constexpr int kFewestRowsPerBlock = 20;
 // Rows over which the noise may be coloured: two periods of the angles' low-pass, 6 to 40.
+int LongestOrder(double rows_per_period);
 int LongestOrder(const identify::Design& design);
 
 // The noise by a residual at the used rows: one scale a recording; but chambers and encoders are
@@ -77,5 +78,10 @@ LikelihoodFit EstimateLikelihood(identify::Design* design, const actuator::Joint
 // recordings. Returns its rows and noise.
 Likelihood CompareBands(identify::Design* other, const actuator::JointModel& declared,
                         Problem* problem);
+
+// The declared model with the terms of a set of effects. terms: numbers of those of each member of
+// the set, in the model that is returned. Sizes are those of the set's fit, in physical units.
+actuator::JointModel ModelWith(const actuator::JointModel& declared, const Problem& problem,
+                               const EffectSet& set, std::vector<std::vector<int>>* terms);
 
 }  // namespace sinew::trace

@@ -1,5 +1,3 @@
-#include "components/model/trace/push_search.h"
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -7,6 +5,7 @@
 #include <utility>
 
 #include "components/model/identify/statistics.h"
+#include "components/model/trace/event_search.h"
 
 namespace sinew::trace {
 
@@ -27,10 +26,8 @@ constexpr std::size_t kBackground = 10;
 constexpr double kNormal95 = 1.96;  // 95 % of normal values lie within
 
 bool Moves(const identify::Design& design, Eigen::Index i) {
-  const auto k = static_cast<std::size_t>(i);
-  const identify::StateSegment& segment =
-      design.states().segments[static_cast<std::size_t>(design.rows().segment[k])];
-  const auto sample = static_cast<std::size_t>(design.rows().sample[k]);
+  const identify::StateSegment& segment = design.SegmentOf(i);
+  const std::size_t sample = design.rows().SampleOf(i);
   return segment.valid[sample] != 0 && segment.at_rest[sample] == 0;
 }
 

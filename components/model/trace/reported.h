@@ -2,10 +2,10 @@
 // search comes to. Pure but for the designs' predicted drive; allocates.
 #pragma once
 
-#include <set>
 #include <string>
 #include <vector>
 
+#include "components/model/trace/candidates.h"
 #include "components/model/trace/problem.h"
 #include "components/model/trace/trace_result.h"
 
@@ -25,11 +25,28 @@ void NoteErrors(const LikelihoodFit& reported, const actuator::JointModel& drive
                 identify::Design* predicted_train, identify::Design* predicted_held_out,
                 TraceResult* result);
 
-// Accepted is what is in the model; the rest names its rule.
-void NoteOutcome(const TraceResult& result, std::vector<CandidateScore>* scores);
-// Effects that are found or open.
-std::set<std::string> Shown(const TraceResult& result);
-// By what is found, open, refuted and unexplained.
-Verdict VerdictOf(const TraceResult& result);
+// What follows from the effects that are found, open and refuted: which candidates are accepted and
+// which rule refused the others; by the detectable sizes what the recordings could not have shown;
+// the verdict. problem: of the search.
+void Conclude(const Problem& problem, TraceResult* result);
+
+// The part of a residual that is noise of the sensors.
+struct NoiseFloor {
+  double rms = 0.0;    // torque at the output, after the parallel filter; 0: unknown
+  std::string source;  // "standstill", "sample-to-sample scatter", ""
+};
+
+// From spells at rest (drive and known torques, straight line removed from each), and from the
+// scatter of the drive from sample to sample, taken as white: the lower one.
+NoiseFloor EstimateNoiseFloor(const identify::Design& design, const identify::Balance& balance,
+                              double drive_factor);
+
+// Of shift.cc: effects absorbed by refitting. Shifts of declared parameters by a tolerance or more,
+// and the effects that would shift them the same way.
+// nominal: the model as declared; fit: the final fit (same declared terms, maybe more).
+std::vector<ParameterShift> FindShifts(const identify::Design& design,
+                                       const actuator::JointModel& nominal,
+                                       const identify::FitResult& fit,
+                                       const std::vector<Candidate>& candidates);
 
 }  // namespace sinew::trace

@@ -11,17 +11,13 @@ namespace {
 
 using identify::ModelError;
 
-bool Names(const std::vector<std::string>& names, const std::string& name) {
-  return std::find(names.begin(), names.end(), name) != names.end();
-}
-
 // The effect of a rotation that is `name` or has it as a rival; null: none.
 const FoundEffect* FindClass(const std::vector<FoundEffect>& effects, const std::string& name) {
   for (const FoundEffect& effect : effects) {
     if (effect.name == name) return &effect;
   }
   for (const FoundEffect& effect : effects) {
-    if (Names(effect.rivals(), name)) return &effect;
+    if (std::ranges::count(effect.rivals(), name) != 0) return &effect;
   }
   return nullptr;
 }
@@ -78,7 +74,6 @@ void PoolErrors(const std::vector<const Assessment*>& rotations, Assessment* all
 void NoteConfirmations(const std::vector<Rotation>& rotations, FoundEffect* effect) {
   Pooled before, after;
   std::vector<Posterior> posteriors;
-  bool first = true;
   for (const Rotation& rotation : rotations) {
     const FoundEffect* found = FindClass(rotation.trace.effects, effect->name);
     if (found == nullptr || found->confirmation.verdict != ConfirmationVerdict::kConfirmed) {
@@ -87,20 +82,15 @@ void NoteConfirmations(const std::vector<Rotation>& rotations, FoundEffect* effe
     const auto rows = static_cast<double>(rotation.trace.after_held_out.residual.size());
     before.Add(found->held_out_before, rows);
     after.Add(found->held_out_after, rows);
-    if (first || found->confirmation.lower < effect->confirmation.lower) {
+    if (posteriors.empty() || found->confirmation.lower < effect->confirmation.lower) {
       effect->confirmation = found->confirmation;
     }
-    first = false;
     posteriors.push_back(found->posterior);
   }
   effect->posterior = MeanPosterior(effect->name, posteriors);
   effect->held_out_before = before.rms();
   effect->held_out_after = after.rms();
 }
-
-}  // namespace
-
-namespace {
 
 std::size_t ConfirmationsNeeded(const std::vector<Rotation>& rotations) {
   return std::max<std::size_t>(2, rotations.size() - 1);

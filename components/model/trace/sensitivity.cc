@@ -6,6 +6,8 @@
 #include <limits>
 #include <map>
 #include <numbers>
+#include <set>
+#include <string>
 
 #include "components/base/types/text.h"
 #include "components/model/identify/statistics.h"
@@ -115,10 +117,24 @@ double SizeForPower(double needed, int columns, double other) {
   return high;
 }
 
+std::optional<double> DetectableCoefficient(const Problem& problem, const Hypothesis& hypothesis,
+                                            Eigen::Index j, double statistic, double by_variance,
+                                            double other) {
+  const Evidence& evidence = problem.evidence;
+  const double reduced = evidence.reduced()(j, j);
+  if (!(evidence.FreeShare(j) >= problem.in_force().Limit(rules::kAbsorbed)) || !(reduced > 0.0)) {
+    return std::nullopt;
+  }
+  const double needed =
+      NeededGain(hypothesis, evidence.misfit(), evidence.Occam(hypothesis.columns), statistic,
+                 by_variance * by_variance * reduced, problem.in_force());
+  return kInexact * SizeForPower(needed, static_cast<int>(hypothesis.columns.size()), other) /
+         std::sqrt(reduced);
+}
+
 std::vector<DetectableSize> FindDetectable(const Problem& problem,
                                            const actuator::JointModel& declared, double statistic,
                                            const EffectSet& found) {
-  const Evidence& evidence = problem.evidence;
   const double target_rms =
       problem.measured_rms > 0.0 ? problem.measured_rms : identify::Rms(problem.bank.target);
   const double target_peak = problem.measured_peak > 0.0 ? problem.measured_peak
@@ -139,22 +155,16 @@ std::vector<DetectableSize> FindDetectable(const Problem& problem,
     const auto& infos = h.effect->info().linear;
     for (std::size_t i = 0; i < h.columns.size() && i < infos.size(); ++i) {
       const Eigen::Index j = h.columns[i];
-      const double reduced = evidence.reduced()(j, j);
-      if (!(evidence.FreeShare(j) >= problem.in_force().Limit(rules::kAbsorbed)) ||
-          !(reduced > 0.0))
-        continue;
       const Eigen::VectorXd column = problem.bank.columns.col(j);
       const double power = column.squaredNorm() - (Q.transpose() * column).squaredNorm();
       const double by_variance =
           power > 0.0 ? VarianceSize(LeastVariance(h, problem.in_force()), problem.variance / power,
                                      std::abs(left.dot(column)) / power)
                       : kNever;
-      const double needed = NeededGain(h, evidence.misfit(), evidence.Occam(h.columns), statistic,
-                                       by_variance * by_variance * reduced, problem.in_force());
-      const double c = kInexact *
-                       SizeForPower(needed, static_cast<int>(h.columns.size()),
-                                    ApparentSize(problem, h, j, found)) /
-                       std::sqrt(reduced);
+      const std::optional<double> found_from = DetectableCoefficient(
+          problem, h, j, statistic, by_variance, ApparentSize(problem, h, j, found));
+      if (!found_from) continue;
+      const double c = *found_from;
       // Larger than any torque that was measured: the rows show no more than a trace of it.
       if (infos[i].dimension == effects::Dimension::kTorque && c > target_peak) continue;
       const DetectableSize size = {
@@ -177,35 +187,36 @@ std::vector<DetectableSize> FindDetectable(const Problem& problem,
   return out;
 }
 
-Sensitivity FindSensitivity(const Problem& problem, const std::vector<DetectableSize>& detectable,
-                            const std::set<std::string>& shown) {
-  Sensitivity out;
+void NoteSensitivity(const Problem& problem, TraceResult* result) {
   for (const Untestable& effect : problem.bank.untestable) {
-    out.not_excited.push_back({effect.effect, effect.why});
+    result->not_excited.push_back({effect.effect, effect.why});
   }
   // By effect the parameter with the smallest share; null: absorbed.
   std::map<std::string, const DetectableSize*> smallest;
   for (const Hypothesis& h : problem.hypotheses()) {
     if (HasSize(h)) smallest.try_emplace(h.name, nullptr);
   }
-  for (const DetectableSize& size : detectable) {
+  for (const DetectableSize& size : result->detectable) {
     const DetectableSize*& least = smallest[size.effect];
     if (!least || Hides(size, problem.in_force()) < Hides(*least, problem.in_force()))
       least = &size;
   }
-  out.assessed.assign(shown.begin(), shown.end());
+  std::set<std::string> shown;
+  for (const auto* list : {&result->effects, &result->open}) {
+    for (const FoundEffect& found : *list) shown.insert(found.name);
+  }
+  result->assessed.assign(shown.begin(), shown.end());
   for (const auto& [name, size] : smallest) {
     if (shown.contains(name)) continue;
     const std::string why = size ? WhyHidden(*size, problem.in_force()) : kCarried;
     if (why.empty()) {
-      out.assessed.push_back(name);
+      result->assessed.push_back(name);
     } else {
-      out.not_excited.push_back({name, why});
+      result->not_excited.push_back({name, why});
     }
   }
-  std::sort(out.not_excited.begin(), out.not_excited.end(),
+  std::sort(result->not_excited.begin(), result->not_excited.end(),
             [](const NotExcited& a, const NotExcited& b) { return a.effect < b.effect; });
-  return out;
 }
 
 }  // namespace sinew::trace

@@ -2,8 +2,7 @@
 // have found, and the effects that could hide. Pure; allocates.
 #pragma once
 
-#include <set>
-#include <string>
+#include <optional>
 #include <vector>
 
 #include "components/model/trace/problem.h"
@@ -26,6 +25,13 @@ double NeededGain(const Hypothesis& hypothesis, double misfit, double occam, dou
 // An effect of which less than `other` would remain is found with the wrong sign: not at all.
 double SizeForPower(double needed, int columns, double other);
 
+// Coefficient of column j of a hypothesis from which on both are reached, for an effect that is not
+// exactly its column; none: the declared terms carry the column. by_variance: coefficient that goes
+// with the variance; other: as of SizeForPower.
+std::optional<double> DetectableCoefficient(const Problem& problem, const Hypothesis& hypothesis,
+                                            Eigen::Index j, double statistic, double by_variance,
+                                            double other);
+
 // For every effect and each of its linear parameters, at the shape that shows best (size over
 // what matters to the torque, or over what machines have, whichever is more); effects that
 // the declared terms absorb apart, and those that are lines of a spectrum, which is searched and
@@ -34,13 +40,9 @@ std::vector<DetectableSize> FindDetectable(const Problem& problem,
                                            const actuator::JointModel& declared, double statistic,
                                            const EffectSet& found);
 
-// Effects that the recordings could not have shown, and those that they could (names). shown:
-// effects that they do show, whatever size would have been sure to be found.
-struct Sensitivity {
-  std::vector<NotExcited> not_excited;
-  std::vector<std::string> assessed;
-};
-Sensitivity FindSensitivity(const Problem& problem, const std::vector<DetectableSize>& detectable,
-                            const std::set<std::string>& shown);
+// Notes the effects that the recordings could not have shown, by result->detectable, and those that
+// they could. What they do show (found or open) would have been sure to be found, whatever its
+// size.
+void NoteSensitivity(const Problem& problem, TraceResult* result);
 
 }  // namespace sinew::trace

@@ -175,4 +175,26 @@ EffectSet WithBestCurve(const Choices& choices, const EffectSet& set) {
   return best;
 }
 
+EffectSet FitAgreedSet(const Choices& choices, const std::set<std::string>& effects) {
+  EffectSet out;
+  for (const std::string& name : effects) {
+    EffectSet best;
+    const bool searched =
+        std::any_of(choices.hypotheses.begin(), choices.hypotheses.end(), [&](const Hypothesis& h) {
+          return h.physical() && h.name == name && h.asked == Asked::kSearched;
+        });
+    for (std::size_t h = 0; h < choices.hypotheses.size(); ++h) {
+      if (!choices.hypotheses[h].physical() || choices.hypotheses[h].name != name) continue;
+      if (searched && choices.hypotheses[h].asked != Asked::kSearched) continue;
+      std::vector<std::size_t> members = out.members;
+      members.push_back(h);
+      EffectSet joined = FitSet(choices, std::move(members));
+      if (!Physical(choices, joined)) continue;
+      if (best.empty() || joined.net > best.net) best = std::move(joined);
+    }
+    if (!best.empty()) out = std::move(best);
+  }
+  return WithShapesBeside(choices, std::move(out));
+}
+
 }  // namespace sinew::trace

@@ -69,4 +69,8 @@ EffectSet WithShapesBeside(const Choices& choices, EffectSet set);
 // The free curve that gains most beside a set; the set with it.
 EffectSet WithBestCurve(const Choices& choices, const EffectSet& set);
 
+// The set that is given by name, no rule applied: the hypothesis of each effect, jointly the ones
+// that gain most. Effects without a physical hypothesis are left out.
+EffectSet FitAgreedSet(const Choices& choices, const std::set<std::string>& effects);
+
 }  // namespace sinew::trace

@@ -1,7 +1,7 @@
-#include "components/model/trace/shift.h"
-
 #include <algorithm>
 #include <cmath>
+
+#include "components/model/trace/reported.h"
 
 namespace sinew::trace {
 
@@ -21,24 +21,16 @@ struct Declared {
 
 std::vector<Declared> DeclaredParameters(const actuator::JointModel& nominal,
                                          const identify::FitResult& fit) {
-  const identify::Balance& balance = fit.balance;
-  const Eigen::Index first = balance.fits_scale ? 1 : 0;
   std::vector<Declared> declared;
-  const auto add = [&](const identify::ParameterRef& ref, Eigen::Index column) {
-    if (ref.term >= static_cast<int>(nominal.terms.size())) return;
-    const auto t = static_cast<std::size_t>(ref.term);
-    const auto i = static_cast<std::size_t>(ref.linear);
-    const actuator::ParameterValue& before = nominal.terms[t].linear[i];
-    const actuator::ParameterValue& after = fit.model.terms[t].linear[i];
+  for (Eigen::Index column = 0; column < fit.balance.columns.cols(); ++column) {
+    const identify::ParameterRef& ref = fit.balance.ParameterOf(column);
+    if (ref.term >= nominal.terms.size()) continue;
+    const actuator::ParameterValue &before = ref.In(nominal), &after = ref.In(fit.model);
     const double tolerance = actuator::PriorSpread(before);
-    if (!(tolerance > 0.0)) return;
+    if (!(tolerance > 0.0)) continue;
     const double error = after.half_width_95.value_or(0.0) / 2.0;
     declared.push_back({ref, column, after.value - before.value,
                         std::sqrt(tolerance * tolerance + error * error)});
-  };
-  if (balance.fits_scale) add(balance.drive, 0);
-  for (std::size_t i = 0; i < balance.parameters.size(); ++i) {
-    add(balance.parameters[i], first + static_cast<Eigen::Index>(i));
   }
   return declared;
 }
@@ -55,7 +47,7 @@ std::vector<ShiftDirection> DirectionsOf(const std::vector<Candidate>& candidate
                                          const Eigen::MatrixXd& phi,
                                          const identify::Balance& balance,
                                          const std::vector<Declared>& declared) {
-  const Eigen::Index first = balance.fits_scale ? 1 : 0;
+  const Eigen::Index first = balance.scale_columns();
   const Eigen::MatrixXd gram = phi.transpose() * phi;
   const Eigen::VectorXd drive = balance.drive_torque(used);
   std::vector<ShiftDirection> directions;
@@ -96,7 +88,7 @@ std::vector<ParameterShift> FindShifts(const identify::Design& design,
                                        const std::vector<Candidate>& candidates) {
   std::vector<ParameterShift> out;
   const identify::Balance& balance = fit.balance;
-  const Eigen::Index first = balance.fits_scale ? 1 : 0;
+  const Eigen::Index first = balance.scale_columns();
   std::vector<Declared> declared = DeclaredParameters(nominal, fit);
   const std::vector<Eigen::Index> used = design.rows().UsedRows();
   const Eigen::Index count = balance.columns.cols() - first;
@@ -108,17 +100,9 @@ std::vector<ParameterShift> FindShifts(const identify::Design& design,
     for (std::size_t k = 0; k < term.nonlinear.size(); ++k) {
       const double off = actuator::PriorSpread(term.nonlinear[k]);
       if (!term.nonlinear[k].fixed || !(off > 0.0)) continue;
-      const auto torque = [&](double value) {
-        std::vector<double> psi = actuator::NonlinearValues(term);
-        psi[k] = value;
-        Eigen::VectorXd theta(static_cast<Eigen::Index>(term.linear.size()));
-        for (std::size_t i = 0; i < term.linear.size(); ++i) {
-          theta[static_cast<Eigen::Index>(i)] = term.linear[i].value;
-        }
-        return Eigen::VectorXd((design.Columns(*term.effect, psi) * theta)(used));
-      };
       const double value = term.nonlinear[k].value;
-      const Eigen::VectorXd z = 0.5 * (torque(value + off) - torque(value - off));
+      const Eigen::VectorXd z = 0.5 * (identify::ShapedTorque(design, term, k, value + off) -
+                                       identify::ShapedTorque(design, term, k, value - off));
       const Eigen::VectorXd a = identify::Solve(gram, phi.transpose() * z);
       for (Declared& item : declared) {
         if (item.column >= first) item.unit = std::hypot(item.unit, a[item.column - first]);
@@ -130,17 +114,16 @@ std::vector<ParameterShift> FindShifts(const identify::Design& design,
   for (const Declared& item : declared) {
     const double sigma = item.shift / item.unit;
     if (std::abs(sigma) < 1.0) continue;
-    const auto t = static_cast<std::size_t>(item.ref.term);
-    const auto i = static_cast<std::size_t>(item.ref.linear);
-    const effects::EffectInfo& info = nominal.terms[t].effect->info();
-    ParameterShift shift;
-    shift.effect = info.name;
-    shift.parameter = info.linear[i].name;
-    shift.nominal = nominal.terms[t].linear[i].value;
-    shift.refit = fit.model.terms[t].linear[i].value;
-    shift.tolerance = actuator::PriorSpread(nominal.terms[t].linear[i]);
-    shift.half_width_95 = fit.model.terms[t].linear[i].half_width_95.value_or(0.0);
-    shift.sigma = sigma;
+    const actuator::ParameterValue &before = item.ref.In(nominal), &after = item.ref.In(fit.model);
+    const effects::EffectInfo& info = nominal.terms[item.ref.term].effect->info();
+    ParameterShift shift = {.effect = info.name,
+                            .parameter = info.linear[item.ref.linear].name,
+                            .nominal = before.value,
+                            .refit = after.value,
+                            .tolerance = actuator::PriorSpread(before),
+                            .half_width_95 = after.half_width_95.value_or(0.0),
+                            .sigma = sigma,
+                            .causes = {}};
     const auto j = static_cast<std::size_t>(&item - declared.data());
     for (const ShiftDirection& direction : directions) {
       // Shares the direction when this parameter carries a good part of what it would shift.

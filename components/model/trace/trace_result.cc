@@ -4,6 +4,18 @@
 
 namespace sinew::trace {
 
+std::string_view ConfirmationWord(ConfirmationVerdict verdict) {
+  switch (verdict) {
+    case ConfirmationVerdict::kConfirmed:
+      return "confirmed";
+    case ConfirmationVerdict::kRefuted:
+      return "refuted";
+    case ConfirmationVerdict::kNotConfirmed:
+      break;
+  }
+  return "not confirmed";
+}
+
 bool NearNoise(const Assessment& assessed) {
   const double noise = assessed.noise_floor_rms, error = assessed.before_held_out.rms;
   return error * error < 2.0 * noise * noise;

@@ -7,18 +7,31 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
 #include "components/model/actuator/model.h"
+#include "components/model/identify/balance.h"
 #include "components/model/identify/design.h"
-#include "components/model/identify/fit.h"
-#include "components/model/trace/confirmation.h"
 #include "components/model/trace/enough_data.h"
 #include "components/model/trace/posterior.h"
 #include "components/model/trace/rules.h"
 
 namespace sinew::trace {
+
+enum class ConfirmationVerdict { kNotConfirmed, kConfirmed, kRefuted };
+
+// "confirmed", "not confirmed", "refuted".
+std::string_view ConfirmationWord(ConfirmationVerdict verdict);
+
+// The verdict is that of the score (facts.h).
+struct Confirmation {
+  ConfirmationVerdict verdict = ConfirmationVerdict::kNotConfirmed;
+  double slope = 0.0;
+  double lower = 0.0, upper = 0.0;  // 95 %
+  int blocks = 0;
+};
 
 struct TraceOptions {
   InForce in_force{};
@@ -193,8 +206,6 @@ struct TraceResult : Assessment {
   std::vector<std::string> assessed;  // candidates whose presence or absence the data shows
   std::vector<ParameterShift> shifts;
   std::vector<BalanceSummary> balances;  // beside the motion's (balances.h)
-  identify::FitResult declared_fit;
-  identify::FitResult corrected_fit;
 };
 
 }  // namespace sinew::trace

@@ -47,13 +47,4 @@ UsedRows MakeUsedRows(const identify::Design& design, int fewest_rows) {
   return MakeUsedRows(design, design.rows().UsedRows(), fewest_rows);
 }
 
-UsedRows Without(const identify::Design& design, const UsedRows& used,
-                 const std::vector<char>& marked, int fewest_rows) {
-  std::vector<Eigen::Index> rows;
-  for (std::size_t k = 0; k < used.rows.size(); ++k) {
-    if (!marked[k]) rows.push_back(used.rows[k]);
-  }
-  return MakeUsedRows(design, std::move(rows), fewest_rows);
-}
-
 }  // namespace sinew::trace

@@ -34,8 +34,4 @@ UsedRows MakeUsedRows(const identify::Design& design, int fewest_rows);
 UsedRows MakeUsedRows(const identify::Design& design, std::vector<Eigen::Index> rows,
                       int fewest_rows);
 
-// Without the rows (in numbers of `used.rows`) that are marked.
-UsedRows Without(const identify::Design& design, const UsedRows& used,
-                 const std::vector<char>& marked, int fewest_rows);
-
 }  // namespace sinew::trace

@@ -7,22 +7,17 @@
 
 #include "components/model/identify/statistics.h"
 #include "components/model/trace/candidates.h"
-#include "components/model/trace/range.h"
+#include "components/model/trace/machine_size.h"
 
 namespace sinew::trace {
 
 namespace {
 
 using identify::Balance;
-using identify::ParameterRef;
 using identify::Rms;
 
 // Precision that holds a coefficient, as a multiple of what its rows say.
 constexpr double kHeld = 1e12;
-
-const actuator::Term& TermOf(const actuator::JointModel& model, const ParameterRef& ref) {
-  return model.terms[static_cast<std::size_t>(ref.term)];
-}
 
 // Whitened rows with the priors as further rows.
 struct Regression {
@@ -66,17 +61,15 @@ Regression MakeRegression(const identify::Design& design, const Likelihood& like
 // held at its bound.
 Eigen::VectorXd SolveWithinRange(const identify::Design& design, const Balance& balance,
                                  const actuator::JointModel& model, Regression* regression) {
-  const Eigen::Index first = balance.fits_scale ? 1 : 0;
-  const Eigen::Index p = balance.columns.cols();
+  const Eigen::Index first = balance.scale_columns(), p = balance.columns.cols();
   Eigen::VectorXd b = regression->Solve();
   std::vector<char> is_held(static_cast<std::size_t>(p), 0);
   for (bool held = true; held;) {
     held = false;
-    const double scale = balance.fits_scale ? balance.Scale(b.head(p)) : 1.0;
+    const double scale = balance.Unit(b.head(p));
     for (Eigen::Index i = first; i < p; ++i) {
-      const ParameterRef& ref = balance.parameters[static_cast<std::size_t>(i - first)];
-      const actuator::Term& term = TermOf(model, ref);
-      const auto linear = static_cast<std::size_t>(ref.linear);
+      const std::size_t linear = balance.ParameterOf(i).linear;
+      const actuator::Term& term = model.terms[balance.ParameterOf(i).term];
       const effects::ParameterInfo& info = term.effect->info().linear[linear];
       char& mark = is_held[static_cast<std::size_t>(i)];
       if (mark != 0 || info.relative_to_drive) continue;
@@ -228,17 +221,14 @@ Prior PriorOf(const Balance& balance, const actuator::JointModel& model, const U
   out.mean = Eigen::VectorXd::Zero(p + extra);
   out.precision = Eigen::VectorXd::Zero(p + extra);
   const auto precision = [](double spread) { return spread > 0.0 ? 1.0 / (spread * spread) : 0.0; };
-  const double drive_tolerance =
-      actuator::RelativeSpread(TermOf(model, balance.drive).linear.front());
+  const double drive_tolerance = actuator::RelativeSpread(balance.drive.In(model));
   const double target_rms = Rms(balance.target(used.rows));
-  const Eigen::Index first = balance.fits_scale ? 1 : 0;
   if (balance.fits_scale) {
     out.mean[0] = balance.nominal[0];
     out.precision[0] = precision(balance.spread[0]);
   }
-  for (Eigen::Index i = first; i < p; ++i) {
-    const ParameterRef& ref = balance.parameters[static_cast<std::size_t>(i - first)];
-    if (TermOf(model, ref).declared) {
+  for (Eigen::Index i = balance.scale_columns(); i < p; ++i) {
+    if (model.terms[balance.ParameterOf(i).term].declared) {
       out.mean[i] = balance.nominal[i];
       // Coefficients are divided by the drive's factor and share its tolerance.
       if (balance.spread[i] > 0.0) {
@@ -289,24 +279,11 @@ identify::FitResult FitWhitened(const identify::Design& design, const Likelihood
   out.balance.Apply(out.coefficients, &out.model);
   const double quantile =
       identify::StudentQuantile(0.975, static_cast<double>(used.blocks.size() - 1));
-  const auto set = [&](const ParameterRef& ref, Eigen::Index i) {
-    if (out.balance.columns.col(i).isZero(0.0)) return;  // nothing is known of it
-    out.model.terms[static_cast<std::size_t>(ref.term)]
-        .linear[static_cast<std::size_t>(ref.linear)]
-        .half_width_95 = quantile * std::sqrt(std::max(0.0, out.covariance(i, i)));
-  };
-  const Eigen::Index first = out.balance.fits_scale ? 1 : 0;
-  if (out.balance.fits_scale) set(out.balance.drive, 0);
-  for (std::size_t i = 0; i < out.balance.parameters.size(); ++i) {
-    set(out.balance.parameters[i], first + static_cast<Eigen::Index>(i));
+  for (Eigen::Index i = 0; i < p; ++i) {
+    if (out.balance.columns.col(i).isZero(0.0)) continue;  // nothing is known of it
+    out.balance.ParameterOf(i).In(&out.model).half_width_95 =
+        quantile * std::sqrt(std::max(0.0, out.covariance(i, i)));
   }
-  const double scale = out.balance.fits_scale ? out.balance.Scale(out.coefficients) : 1.0;
-  out.residual = scale * (out.balance.target - out.balance.columns * out.coefficients);
-  const Eigen::VectorXd residual = out.residual(used.rows);
-  const Eigen::VectorXd drive =
-      out.balance.Scale(out.coefficients) * out.balance.drive_torque(used.rows);
-  out.rms = Rms(residual);
-  out.percent = drive.squaredNorm() > 0.0 ? 100.0 * residual.norm() / drive.norm() : 0.0;
   return out;
 }
 

@@ -5,7 +5,7 @@
 
 #include <optional>
 
-#include "components/model/identify/fit.h"
+#include "components/model/identify/balance.h"
 #include "components/model/trace/event_search.h"
 #include "components/model/trace/evidence.h"
 #include "components/model/trace/noise_model.h"

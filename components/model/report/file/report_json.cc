@@ -339,7 +339,7 @@ Json FaultJson(const gate::Fault& fault) {
   return out;
 }
 
-Json FindingJson(const identify::Finding& finding) {
+Json FindingJson(const gate::Finding& finding) {
   return {{"name", finding.name},
           {"text", finding.text},
           {"value", finding.value},

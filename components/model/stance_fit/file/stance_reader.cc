@@ -5,6 +5,7 @@
 
 #include "components/base/config/config.h"
 #include "components/base/types/median.h"
+#include "components/model/identify/interpolated.h"
 #include "components/model/identify/processing.h"
 #include "components/record/recording/file/run_reader.h"
 
@@ -41,13 +42,6 @@ double MedianStep(const Eigen::VectorXd& time_s) {
   return types::UpperMedian(std::move(steps));
 }
 
-types::Run RowsOf(const types::Run& run, const RowNumbers& rows) {
-  types::Run out = run;
-  out.time_s = run.time_s(rows);
-  for (auto& [signal, values] : out.signals) values = run.signals.at(signal)(rows).eval();
-  return out;
-}
-
 }  // namespace
 
 std::vector<StanceRecording> JoinRows(const std::string& name, const actuator::RobotModel& robot,
@@ -82,7 +76,7 @@ std::vector<StanceRecording> JoinRows(const std::string& name, const actuator::R
         recording.name = name;
         recording.period_s = period_s;
         for (std::size_t j = 0; j < joints.size(); ++j) {
-          recording.joints.push_back(RowsOf(joints[j], piece(j + 1)));
+          recording.joints.push_back(identify::WithRows(joints[j], piece(j + 1)));
         }
         const RowNumbers of_body = piece(0);
         recording.foot_force_N = body.foot_force_N(of_body, Eigen::all);

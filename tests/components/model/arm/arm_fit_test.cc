@@ -10,7 +10,7 @@
 
 #include "components/bodies/links/fixed_links.h"
 #include "components/model/arm/arm_loop.h"
-#include "components/model/identify/fit.h"
+#include "components/model/identify/balance.h"
 #include "tests/components/bodies/dynamics/random_arm.h"
 
 namespace sinew::arm {

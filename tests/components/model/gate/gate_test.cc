@@ -46,7 +46,7 @@ bool HasFault(const GateReport& report, const std::string& rule, const std::stri
 
 // Of the first finding of this name; empty: none.
 std::string FindingText(const GateReport& report, const std::string& name) {
-  for (const identify::Finding& at : report.findings) {
+  for (const gate::Finding& at : report.findings) {
     if (at.name == name) return at.text;
   }
   return "";
@@ -499,7 +499,7 @@ TEST(Gate, ALateVelocityAWrongGainAndSaturationAreNoFaults) {
   EXPECT_TRUE(report.faults.empty()) << TextOf(report);
   const auto has = [&](const std::string& name) {
     return std::any_of(report.findings.begin(), report.findings.end(),
-                       [&](const identify::Finding& at) { return at.name == name; });
+                       [&](const gate::Finding& at) { return at.name == name; });
   };
   EXPECT_TRUE(has("saturation"));
   EXPECT_TRUE(has("lag_velocity"));

@@ -1,11 +1,10 @@
-#include "components/model/identify/fit.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
 
 #include "components/model/identify/as_published.h"
+#include "components/model/identify/balance.h"
 #include "tests/components/model/identify/synthetic.h"
 
 namespace sinew::identify {

@@ -176,12 +176,12 @@ TEST(FromMotion, AMotionThatRestsMostOfTheTimeKeepsRowsOfItsStrokesAlone) {
 TEST(Processing, AnUnloadedLoadCellIsReplacedByItsMean) {
   const actuator::JointModel model = SyntheticModel();
   types::Run run = SyntheticRun(model, {});
-  EXPECT_FALSE(MakeDesign({run}, model).silent_load());
+  EXPECT_FALSE(MakeDesign({run}, model).states().silent_load);
   std::mt19937_64 random(3);
   std::normal_distribution<double> noise(0.4, 0.05);
   for (double& force : run.signals[types::Signal::kLoadForce]) force = noise(random);
   const Design design = MakeDesign({run}, model);
-  EXPECT_TRUE(design.silent_load());
+  EXPECT_TRUE(design.states().silent_load);
   for (const effects::JointSample& x : design.states().segments[0].samples) {
     // The mean of 12000 rows.
     ASSERT_NEAR(x.load_force_N, 0.4, 5.0 * 0.05 / std::sqrt(12000.0));

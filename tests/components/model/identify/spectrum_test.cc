@@ -45,7 +45,7 @@ TEST(Spectrum, BandEndsWhereMotionSinksIntoNoise) {
     const double t = static_cast<double>(i) / 100.0;
     x[i] = std::sin(2.0 * M_PI * 1.0 * t) + normal(random);
   }
-  const double band_Hz = BandAboveNoise(x, 100.0);
+  const double band_Hz = PowerDensity(x, 100.0).BandAboveNoise();
   EXPECT_GT(band_Hz, 1.0);
   EXPECT_LT(band_Hz, 12.0);
 }
@@ -57,8 +57,8 @@ TEST(Spectrum, BandOfMotionHoldsTheShareOfTheVelocityThatWasAskedFor) {
     // Velocities of 1 at 1 Hz and of 0.1 at 8 Hz: a hundredth of the power.
     x[i] = std::sin(2.0 * M_PI * 1.0 * t) + 0.1 / 8.0 * std::sin(2.0 * M_PI * 8.0 * t);
   }
-  EXPECT_NEAR(BandOfMotion(x, 100.0, 0.95), 1.0, 0.3);
-  EXPECT_NEAR(BandOfMotion(x, 100.0, 0.999), 8.0, 0.5);
+  EXPECT_NEAR(PowerDensity(x, 100.0).BandOfMotion(0.95), 1.0, 0.3);
+  EXPECT_NEAR(PowerDensity(x, 100.0).BandOfMotion(0.999), 8.0, 0.5);
 }
 
 TEST(Spectrum, BandOfLeastErrorEndsWhereSignalAndNoiseAreAlike) {
@@ -73,12 +73,12 @@ TEST(Spectrum, BandOfLeastErrorEndsWhereSignalAndNoiseAreAlike) {
     x[i] = walk + 5.0 * normal(random);
   }
   const double expected_Hz = 100.0 / M_PI * std::asin(1.0 / 10.0);
-  EXPECT_NEAR(BandOfLeastError(x, 100.0, 1), expected_Hz, 0.35 * expected_Hz);
+  EXPECT_NEAR(PowerDensity(x, 100.0).BandOfLeastError(1), expected_Hz, 0.35 * expected_Hz);
 }
 
 TEST(Spectrum, ShortInputHasNoSpectrum) {
   EXPECT_EQ(PowerDensity(Eigen::VectorXd::Zero(7), 10.0).density.size(), 0);
-  EXPECT_EQ(BandAboveNoise(Eigen::VectorXd::Zero(7), 10.0), 0.0);
+  EXPECT_EQ(PowerDensity(Eigen::VectorXd::Zero(7), 10.0).BandAboveNoise(), 0.0);
 }
 
 }  // namespace

@@ -86,7 +86,6 @@ TEST(Uniform, JitterAndLostRowsAreBroughtOntoTheGrid) {
   const UniformSegment& piece = out.segments[0];
   EXPECT_EQ(out.sampling.lost_rows, lost);
   EXPECT_TRUE(out.sampling.stamps_used);
-  EXPECT_NEAR(out.sampling.jitter_rms_s, 4e-4, 0.5e-4);
   EXPECT_NEAR(piece.period_s, 0.0125, 1e-6);
   int invalid = 0;
   for (Eigen::Index i = 2; i + 2 < piece.size(); ++i) {
@@ -127,7 +126,6 @@ TEST(Uniform, LongGapsCutTheRecordingAndShortPiecesFallAway) {
       Eigen::Map<Eigen::VectorXd>(stamps.data(), static_cast<Eigen::Index>(stamps.size()));
   const UniformRun out = MakeUniform(MakeRun(t, Sine));
   ASSERT_EQ(out.segments.size(), 2u);
-  EXPECT_EQ(out.sampling.dropped_rows, 30);
   EXPECT_NEAR(out.segments[1].start_s, 20.0, 1e-9);
 }
 

@@ -43,10 +43,10 @@ Errors HeldOut(const std::string& robot, const fs::path& folder,
   const trace::TraceResult torque = trace::CloseLoop(trained, tested, joint, 0.25, {}).trace;
   const trace::LoopResult loop =
       CloseBySimulation(trained, tested, joint, 0.25, {}, plant::JointAlone());
-  const Recordings recordings(tested, joint, loop.processing, plant::JointAlone());
+  const Recordings recordings(tested, joint, loop.processing, plant::JointAlone(), {});
   const Errors out{loop.trace.nominal_held_out.rms, FitStart(recordings, torque.declared).rms,
                    loop.trace.before_held_out.rms, loop.trace.after_held_out.rms};
-  const Recordings training(trained, joint, loop.processing, plant::JointAlone());
+  const Recordings training(trained, joint, loop.processing, plant::JointAlone(), {});
   std::cout << robot << ": training, rad rms: " << FitStart(training, torque.declared).rms
             << " by torque, " << loop.trace.before_train.rms << " by simulation, "
             << loop.trace.after_train.rms << " corrected\n";

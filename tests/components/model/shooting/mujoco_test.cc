@@ -80,8 +80,8 @@ class MujocoJoint final : public free_run::Body {
 double HeldOutError(const std::vector<types::Run>& train, const std::vector<types::Run>& held_out,
                     const actuator::JointModel& joint, const free_run::MakeBody& make_body) {
   const identify::ProcessingOptions processing = ProcessingOf(train, joint, 0.25);
-  const Recordings trained(train, joint, processing, make_body);
-  const Recordings tested(held_out, joint, processing, make_body);
+  const Recordings trained(train, joint, processing, make_body, {});
+  const Recordings tested(held_out, joint, processing, make_body, {});
   return FitStart(tested, FitBySimulation(trained, joint, joint).model).rms;
 }
 
@@ -94,7 +94,7 @@ TEST(ShootingWithMujoco, ItsJointMovesAsThePlant) {
   smooth.terms.pop_back();  // Coulomb friction
   const std::vector<types::Run> run = {Swing(smooth, {.duration_s = 3.0})};
   const auto angles = [&](const free_run::MakeBody& make_body) {
-    const Recordings recordings(run, smooth, ProcessingOf(run, smooth, 0.25), make_body);
+    const Recordings recordings(run, smooth, ProcessingOf(run, smooth, 0.25), make_body, {});
     return recordings.Stacked(smooth, recordings.Measured());
   };
   // Semi-implicit Euler of first order, 1 ms, beside leapfrog of second order.

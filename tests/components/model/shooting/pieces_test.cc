@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "components/model/identify/too_little_data.h"
+#include "components/model/identify/uniform.h"
 #include "sim/plant/joint_body.h"
 #include "tests/components/model/shooting/swing.h"
 
@@ -10,7 +10,7 @@ namespace sinew::shooting {
 namespace {
 
 Recordings Pieces(const std::vector<types::Run>& runs, const actuator::JointModel& joint) {
-  return Recordings(runs, joint, ProcessingOf(runs, joint, 0.25), plant::JointAlone());
+  return Recordings(runs, joint, ProcessingOf(runs, joint, 0.25), plant::JointAlone(), {});
 }
 
 TEST(Pieces, CoverARecordingWithoutOverlap) {

@@ -9,7 +9,8 @@ namespace sinew::shooting {
 namespace {
 
 Recordings Declaring(const std::vector<types::Run>& runs) {
-  return Recordings(runs, Declared(), ProcessingOf(runs, Declared(), 0.25), plant::JointAlone());
+  return Recordings(runs, Declared(), ProcessingOf(runs, Declared(), 0.25), plant::JointAlone(),
+                    {});
 }
 
 double ValueIn(const actuator::JointModel& model, const std::string& effect) {

@@ -1,9 +1,9 @@
-#include "components/model/trace/confirmation.h"
-
 #include <gtest/gtest.h>
 
 #include <numeric>
 #include <random>
+
+#include "components/model/trace/facts.h"
 
 namespace sinew::trace {
 namespace {
@@ -30,7 +30,7 @@ Eigen::VectorXd NormalRows(unsigned seed) {
 
 Confirmation Of(double slope, unsigned seed, int blocks = 30) {
   const Eigen::VectorXd change = 0.3 * NormalRows(seed);
-  return ConfirmSlope(slope * change + NormalRows(seed + 1000), change, Blocks(blocks));
+  return ConfirmSlope(slope * change + NormalRows(seed + 1000), change, Blocks(blocks), {});
 }
 
 TEST(Confirmation, TheSlopeIsTheSizeOverTheTrainedOne) {
@@ -48,9 +48,19 @@ TEST(Confirmation, TooFewBlocksGiveNoInterval) {
   EXPECT_EQ(found.lower, found.upper);
 }
 
+TEST(Confirmation, WithoutTheRuleOfBlocksTwoGiveAnInterval) {
+  const Eigen::VectorXd change = 0.3 * NormalRows(5);
+  const InForce without{.without_rules = {"held_out_blocks"}};
+  for (const int blocks : {1, 2, 3}) {
+    const Confirmation found =
+        ConfirmSlope(change + NormalRows(1005), change, Blocks(blocks), without);
+    EXPECT_EQ(found.upper > found.lower, blocks > 1) << blocks;
+  }
+}
+
 TEST(Confirmation, AChangeThatTheHeldOutMotionDoesNotExciteGivesNoInterval) {
   const Eigen::VectorXd none = Eigen::VectorXd::Zero(kSlopeRows);
-  const Confirmation found = ConfirmSlope(NormalRows(6), none, Blocks(30));
+  const Confirmation found = ConfirmSlope(NormalRows(6), none, Blocks(30), {});
   EXPECT_EQ(found.lower, found.upper);
 }
 

@@ -8,7 +8,6 @@
 #include <random>
 
 #include "components/model/trace/likelihood_tracer.h"
-#include "components/model/trace/push_search.h"
 #include "tests/components/model/identify/synthetic.h"
 
 namespace sinew::trace {

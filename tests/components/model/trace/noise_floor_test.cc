@@ -1,7 +1,6 @@
-#include "components/model/trace/noise_floor.h"
-
 #include <gtest/gtest.h>
 
+#include "components/model/trace/reported.h"
 #include "tests/components/model/identify/synthetic.h"
 
 namespace sinew::trace {

@@ -21,7 +21,8 @@ std::vector<std::string> NamesOf(const Posterior& posterior) {
 }
 
 TEST(Posterior, SharesEquallyWhereNothingIsLost) {
-  const Posterior found = PosteriorOfNames(kGain, {{"stribeck", {0.0, 2}}, {"coulomb", {0.0, 2}}});
+  const Posterior found =
+      PosteriorOfNames(kGain, {{"stribeck", {0.0, 2}}, {"coulomb", {0.0, 2}}}, {});
   ASSERT_EQ(found.size(), 2u);
   EXPECT_NEAR(found[0].probability, 0.5, 1e-12);
   EXPECT_NEAR(found[1].probability, 0.5, 1e-12);
@@ -29,23 +30,29 @@ TEST(Posterior, SharesEquallyWhereNothingIsLost) {
 
 TEST(Posterior, FallsByEForEveryLimitOfTheRuleThatIsLost) {
   const double step = rules::kShapeMisfit.limit * kGain;
-  const Posterior found = PosteriorOfNames(kGain, {{"a", {0.0, 1}}, {"b", {step, 1}}});
+  const Posterior found = PosteriorOfNames(kGain, {{"a", {0.0, 1}}, {"b", {step, 1}}}, {});
+  EXPECT_NEAR(found[0].probability / found[1].probability, std::exp(1.0), 1e-9);
+}
+
+TEST(Posterior, WithoutTheRuleNoiseAloneDecides) {
+  const InForce without{.without_rules = {"shape_misfit"}};
+  const Posterior found = PosteriorOfNames(kGain, {{"a", {0.0, 0}}, {"b", {2.0, 0}}}, without);
   EXPECT_NEAR(found[0].probability / found[1].probability, std::exp(1.0), 1e-9);
 }
 
 TEST(Posterior, NoiseDecidesWhereTheGainIsSmall) {
-  const Posterior found = PosteriorOfNames(5.0, {{"a", {0.0, 0}}, {"b", {2.0, 0}}});
+  const Posterior found = PosteriorOfNames(5.0, {{"a", {0.0, 0}}, {"b", {2.0, 0}}}, {});
   EXPECT_NEAR(found[0].probability / found[1].probability, std::exp(1.0), 1e-9);
 }
 
 TEST(Posterior, PrefersFewerParametersOfTheSamePrediction) {
   const Posterior found =
-      PosteriorOfNames(kGain, {{"spring", {0.0, 2}}, {"offset", {0.001 * kGain, 1}}});
+      PosteriorOfNames(kGain, {{"spring", {0.0, 2}}, {"offset", {0.001 * kGain, 1}}}, {});
   EXPECT_THAT(NamesOf(found), ElementsAre("offset", "spring"));
 }
 
 TEST(Posterior, LeavesOutWhatIsImprobable) {
-  const Posterior found = PosteriorOfNames(kGain, {{"a", {0.0, 1}}, {"b", {0.9 * kGain, 1}}});
+  const Posterior found = PosteriorOfNames(kGain, {{"a", {0.0, 1}}, {"b", {0.9 * kGain, 1}}}, {});
   EXPECT_THAT(NamesOf(found), ElementsAre("a"));
 }
 

@@ -7,7 +7,6 @@
 #include <limits>
 #include <random>
 
-#include "components/model/trace/agreed_set.h"
 #include "components/model/trace/null_test.h"
 
 namespace sinew::trace {

@@ -1,9 +1,8 @@
-#include "components/model/trace/shift.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
+#include "components/model/trace/reported.h"
 #include "tests/components/model/identify/synthetic.h"
 #include "tests/components/model/trace/plain_fit.h"
 

@@ -33,7 +33,7 @@ TEST(WhitenedFit, NoiseFreeRecordingsGiveTheParametersBack) {
                 3e-3 * truth.terms[t].linear[0].value)
         << truth.terms[t].effect->info().name;
   }
-  EXPECT_LT(fit.percent, 0.2);
+  EXPECT_LT(identify::ErrorOf(design, fit.model).percent, 0.2);
 }
 
 TEST(WhitenedFit, IntervalsCoverTheTruth) {
