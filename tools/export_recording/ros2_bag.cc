@@ -13,6 +13,7 @@
 #include "components/record/recording/file/file_io.h"
 #include "components/record/recording/mcap_reader.h"
 #include "components/record/recording/mcap_writer.h"
+#include "components/record/recording/recorded_time.h"
 #include "tools/export_recording/ros2_messages.h"
 
 namespace sinew::export_recording {
@@ -32,8 +33,8 @@ void CheckIo(const recording::IoStatus& status) {
 // The MCAP file and what metadata.yaml says of it.
 class BagFile {
  public:
-  explicit BagFile(const std::filesystem::path& folder)
-      : folder_(folder), sink_(folder / kBagFile, recording::Existing::kRefuse) {
+  BagFile(const std::filesystem::path& folder, const recording::McapReader& reader)
+      : folder_(folder), time_(reader), sink_(folder / kBagFile, recording::Existing::kRefuse) {
     CheckIo(writer_.Open("ros2"));
   }
 
@@ -41,7 +42,7 @@ class BagFile {
              const recording::Bytes& bytes) {
     const auto [entry, is_new] = topics_.try_emplace(topic);
     if (is_new) AddTopic(topic, type, &entry->second);
-    CheckIo(writer_.WriteMessage(entry->second.channel, original.log_time_ns,
+    CheckIo(writer_.WriteMessage(entry->second.channel, time_.Of(original),
                                  original.publish_time_ns, bytes));
     ++entry->second.messages;
   }
@@ -55,6 +56,7 @@ class BagFile {
     return written;
   }
   bool empty() const { return topics_.empty(); }
+  const recording::RecordedTime& time() const { return time_; }
 
  private:
   struct Topic {
@@ -96,6 +98,7 @@ class BagFile {
   }
 
   std::filesystem::path folder_;
+  recording::RecordedTime time_;  // of the recording
   recording::FileSink sink_;
   recording::McapWriter writer_{sink_};
   std::map<std::string, recording::SchemaId> schemas_;
@@ -248,8 +251,9 @@ RosBag Translate(const recording::RecordingPath& path, const RosNames& names,
     if (translator == nullptr) left_out.insert(channel.topic);
     translators[id] = std::move(translator);
   }
-  BagFile bag(folder);
+  BagFile bag(folder, reader);
   recording::MessageFilter filter;
+  filter.in_file_order = bag.time().in_file_order();
   filter.topics = std::set<std::string>{"joint_state", "imu", "foot_force"};
   recording::McapMessages messages = reader.Messages(filter);
   McapMessage message;
