@@ -13,6 +13,7 @@
 #include "components/record/recording/file/file_io.h"
 #include "components/record/recording/mcap_reader.h"
 #include "components/record/recording/mcap_writer.h"
+#include "components/record/recording/message_type.h"
 #include "components/record/recording/recorded_time.h"
 #include "tools/export_recording/ros2_messages.h"
 
@@ -105,13 +106,12 @@ class BagFile {
   std::map<std::string, Topic> topics_;
 };
 
-// The fields of one topic, by its schema in the recording.
+// The fields of one topic, by its type in the recording.
 class Fields {
  public:
-  explicit Fields(const recording::McapSchema& schema)
-      : idl_(recording::IdlSchema::Parse(schema.data)), type_(idl_.Struct(schema.name)) {}
+  explicit Fields(recording::MessageType type) : type_(std::move(type)) {}
 
-  CdrField Get(const std::string& path) const { return CdrField(type_, path); }
+  CdrField Get(const std::string& path) const { return CdrField(*type_.type, path); }
   std::vector<CdrField> Entries(const std::string& path, std::size_t count) const {
     std::vector<CdrField> fields;
     for (std::size_t i = 0; i < count; ++i) {
@@ -121,8 +121,7 @@ class Fields {
   }
 
  private:
-  recording::IdlSchema idl_;
-  const recording::IdlType& type_;
+  recording::MessageType type_;
 };
 
 class Translator {
@@ -133,8 +132,8 @@ class Translator {
 
 class JointStateTranslator : public Translator {
  public:
-  JointStateTranslator(const recording::McapSchema& schema, const RosNames& names)
-      : fields_(schema), names_(names.joints), named_(!names.joints.empty()) {
+  JointStateTranslator(const recording::MessageType& type, const RosNames& names)
+      : fields_(type), names_(names.joints), named_(!names.joints.empty()) {
     for (std::size_t i = 0; !named_ && i < kJoints; ++i) {
       names_.push_back("joint_" + std::to_string(i));
     }
@@ -175,8 +174,8 @@ class JointStateTranslator : public Translator {
 
 class ImuTranslator : public Translator {
  public:
-  ImuTranslator(const recording::McapSchema& schema, const RosNames& names)
-      : fields_(schema), frame_(names.imu_frame) {}
+  ImuTranslator(const recording::MessageType& type, const RosNames& names)
+      : fields_(type), frame_(names.imu_frame) {}
 
   void Translate(const McapMessage& message, BagFile* bag) override {
     if (valid_.AsInt(message.data) == 0) return;
@@ -203,8 +202,8 @@ class ImuTranslator : public Translator {
 
 class FootForceTranslator : public Translator {
  public:
-  FootForceTranslator(const recording::McapSchema& schema, const RosNames& names)
-      : fields_(schema), frames_(names.force_frames) {
+  FootForceTranslator(const recording::MessageType& type, const RosNames& names)
+      : fields_(type), frames_(names.force_frames) {
     for (std::size_t i = 0; i < kFeet; ++i) {
       if (frames_[i].empty()) frames_[i] = "foot_force_" + std::to_string(i);
     }
@@ -230,13 +229,14 @@ class FootForceTranslator : public Translator {
                         valid_ = fields_.Entries("valid", kFeet);
 };
 
-std::unique_ptr<Translator> MakeTranslator(const std::string& topic,
-                                           const recording::McapSchema* schema,
+// nullptr: no topic of a bag. Throws NotReadable.
+std::unique_ptr<Translator> MakeTranslator(const recording::McapReader& reader,
+                                           const recording::McapChannel& channel,
                                            const RosNames& names) {
-  if (schema == nullptr || schema->encoding != "omgidl") return nullptr;
-  if (topic == "joint_state") return std::make_unique<JointStateTranslator>(*schema, names);
-  if (topic == "imu") return std::make_unique<ImuTranslator>(*schema, names);
-  if (topic == "foot_force") return std::make_unique<FootForceTranslator>(*schema, names);
+  const recording::MessageType type = recording::MessageTypeOf(reader, channel);
+  if (channel.topic == "joint_state") return std::make_unique<JointStateTranslator>(type, names);
+  if (channel.topic == "imu") return std::make_unique<ImuTranslator>(type, names);
+  if (channel.topic == "foot_force") return std::make_unique<FootForceTranslator>(type, names);
   return nullptr;
 }
 
@@ -247,9 +247,12 @@ RosBag Translate(const recording::RecordingPath& path, const RosNames& names,
   std::map<recording::ChannelId, std::unique_ptr<Translator>> translators;
   std::set<std::string> left_out;
   for (const auto& [id, channel] : reader.channels()) {
-    auto translator = MakeTranslator(channel.topic, reader.SchemaOf(channel), names);
+    std::unique_ptr<Translator>& translator = translators[id];
+    try {
+      translator = MakeTranslator(reader, channel, names);
+    } catch (const recording::NotReadable&) {  // left out as all that a bag has not
+    }
     if (translator == nullptr) left_out.insert(channel.topic);
-    translators[id] = std::move(translator);
   }
   BagFile bag(folder, reader);
   recording::MessageFilter filter;

@@ -15,6 +15,7 @@
 #include "components/base/types/text.h"
 #include "components/record/recording/file/file_io.h"
 #include "components/record/recording/mcap_record.h"
+#include "components/record/recording/message_type.h"
 #include "components/topics/node/time_option.h"
 #include "tools/inspect/message_text.h"
 #include "tools/inspect/plot.h"
@@ -194,6 +195,9 @@ int RunCommand(const RerunOptions& options) {
   node::StopFlag stop;
   recording::FileSource source(options.recording);
   const recording::McapReader reader(source);
+  if (const recording::LeftOut foreign = recording::NotReadableTopics(reader); !foreign.empty()) {
+    std::cerr << recording::LeftOutText(file, foreign) << '\n';
+  }
   const std::vector<Session> sessions = SessionsOf(reader, file);
   if (options.session > sessions.size()) {
     throw UsageError(file + ": session " + std::to_string(options.session) + ", expected 1 to " +

@@ -364,6 +364,9 @@ Json DescribeRecording(const std::filesystem::path& path) {
     const recording::McapStatistics& statistics = reader.statistics();
     const auto span = recording::RecordedTime(reader).span().value_or(
         recording::RecordedTime::Span{statistics.start_time_ns, statistics.end_time_ns});
+    if (const recording::LeftOut foreign = recording::NotReadableTopics(reader); !foreign.empty()) {
+      std::cerr << recording::LeftOutText(path.string(), foreign) << '\n';
+    }
     Json report;
     report["file"] = path.string();
     report["bytes"] = source.size();

@@ -92,10 +92,16 @@ RecordedView::Moment ParseMoment(const std::string& query) {
 RecordedView::RecordedView(const std::filesystem::path& file) try
     : file_(file.string()), source_(file), reader_(source_) {
   const auto& counts = reader_.statistics().channel_message_counts;
+  recording::LeftOut left_out;
   for (const auto& [id, channel] : reader_.channels()) {
     const auto count = counts.find(id);
-    AddChannel(id, channel, count == counts.end() ? 0 : count->second);
+    try {
+      AddChannel(id, channel, count == counts.end() ? 0 : count->second);
+    } catch (const recording::NotReadable& error) {
+      left_out.emplace(channel.topic, error.what());
+    }
   }
+  if (!left_out.empty()) spdlog::warn("{}", recording::LeftOutText(file_, left_out));
   recording::MessageFilter filter;
   filter.topics = std::set<std::string>{kTickTopic, kStatusTopic};
   recording::McapMessages messages = reader_.Messages(filter);
@@ -121,17 +127,19 @@ RecordedView::RecordedView(const std::filesystem::path& file) try
 
 void RecordedView::AddChannel(recording::ChannelId id, const recording::McapChannel& channel,
                               std::uint64_t messages) {
-  recording::MessageType readable;
-  try {
-    readable = recording::MessageTypeOf(reader_, channel);
-  } catch (const recording::NotReadable& error) {
-    spdlog::warn("left out: {}", error.what());
-    return;
-  }
+  const recording::MessageType readable = recording::MessageTypeOf(reader_, channel);
   const recording::McapSchema* schema = reader_.SchemaOf(channel);
   const recording::IdlType& type = *readable.type;
-  if (!recording::HasField(type, "header.session_id")) return;
-  if (!recording::HasField(type, "header.tick")) return;
+  for (const char* field : {"header.session_id", "header.tick", "header.stamp_ns"}) {
+    if (recording::HasField(type, field)) continue;
+    throw recording::NotReadable("topic '" + channel.topic + "' has messages without " + field);
+  }
+  std::optional<StatusReader> status;
+  try {
+    if (channel.topic == kStatusTopic) status.emplace(type);
+  } catch (const recording::CdrError& error) {
+    throw recording::NotReadable("topic '" + channel.topic + "' has another type: " + error.what());
+  }
   auto topic = std::find_if(topics_.begin(), topics_.end(), [&](const RecordedTopic& other) {
     return other.topic == channel.topic && other.schema == schema->data;
   });
@@ -142,8 +150,7 @@ void RecordedView::AddChannel(recording::ChannelId id, const recording::McapChan
   Reader reader{
       static_cast<std::size_t>(topic - topics_.begin()), readable,
       recording::CdrField(type, "header.session_id"),    recording::CdrField(type, "header.tick"),
-      recording::CdrField(type, "header.stamp_ns"),      std::nullopt};
-  if (channel.topic == kStatusTopic) reader.status.emplace(type);
+      recording::CdrField(type, "header.stamp_ns"),      std::move(status)};
   readers_.emplace(id, std::move(reader));
 }
 

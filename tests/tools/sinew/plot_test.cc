@@ -253,5 +253,41 @@ TEST_F(RecordedPlot, TicksAndTimeGoOnWhereTheClockWasSetBack) {
   EXPECT_NEAR(nlohmann::json::parse(list.output)["duration_s"].get<double>(), 0.99, 1e-9);
 }
 
+// Every command leaves them out with the same words; a known name does not matter.
+TEST_F(RecordedPlot, TopicsThatNobodyReadsAreLeftOutWithOneWarning) {
+  const std::filesystem::path path = folder_.path() / "foreign.mcap";
+  recording::FileSink sink(path, recording::Existing::kReplace);
+  recording::McapWriter writer(sink);
+  recording::ChannelId joint{}, status{}, note{};
+  ASSERT_TRUE(writer.Open().ok());
+  ASSERT_TRUE(recording::AddTopic(testing::SchemaOf("joint_state"), &writer, &joint).ok());
+  ASSERT_TRUE(
+      writer.AddChannel(recording::SchemaId{}, "component_status", "json", {}, &status).ok());
+  ASSERT_TRUE(writer.AddChannel(recording::SchemaId{}, "note", "json", {}, &note).ok());
+  ASSERT_TRUE(writer.WriteMessage(joint, 1000, 0, testing::MakeMessage("joint_state", {})).ok());
+  ASSERT_TRUE(writer.WriteMessage(status, 2000, 0, recording::Bytes(2)).ok());
+  ASSERT_TRUE(writer.Close().ok() && sink.Close().ok());
+  const std::string expected =
+      path.string() +
+      ": left out: topic 'component_status' has messages 'json' with no schema, expected 'cdr' "
+      "with 'omgidl'; topic 'note' has messages 'json' with no schema, expected 'cdr' with "
+      "'omgidl'\n";
+  const std::string file = path.string(), out = (folder_.path() / "out").string();
+  for (const std::vector<std::string>& command :
+       std::vector<std::vector<std::string>>{{"list", file},
+                                             {"export", file, "--format", "csv", "--out", out},
+                                             {"graph", "--from", file, "--out", out + ".dot"}}) {
+    std::vector<std::string> words = {kSinew};
+    words.insert(words.end(), command.begin(), command.end());
+    const Finished run = testing::Run(words);
+    EXPECT_EQ(run.exit_code, 0) << command[0];
+    EXPECT_EQ(run.error, expected) << command[0];
+  }
+  // It has nothing to run again, which it says after the warning.
+  const Finished rerun = testing::Run({kSinew, "rerun", file});
+  EXPECT_EQ(rerun.exit_code, 2);
+  EXPECT_THAT(rerun.error, StartsWith(expected));
+}
+
 }  // namespace
 }  // namespace sinew
