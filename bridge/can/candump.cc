@@ -34,6 +34,13 @@ bool Take(std::string_view& text, char c) {
   return true;
 }
 
+// The raw DLC of a classic frame of eight bytes, whose lengths 9 to 15 mean eight.
+bool TakeRawDlc(std::string_view& text) {
+  if (!Take(text, '_')) return false;
+  const auto dlc = TakeHex(text, 1);
+  return dlc && *dlc > kMaxDataBytes && text.empty();
+}
+
 // Data bytes; of an FD frame a second # and its flags first; or R and the length of a remote frame.
 bool TakePayload(std::string_view& text, Frame& frame) {
   if (Take(text, '#')) {
@@ -45,11 +52,13 @@ bool TakePayload(std::string_view& text, Frame& frame) {
   if (Take(text, 'R')) {
     frame.remote = true;
     if (text.empty()) return true;
-    if (text.size() != 1 || text.front() < '0' || text.front() > '8') return false;
+    if (text.front() < '0' || text.front() > '8') return false;
     frame.length = static_cast<std::uint8_t>(text.front() - '0');
-    return true;
+    text.remove_prefix(1);
+    return text.empty() || (frame.length == kMaxDataBytes && TakeRawDlc(text));
   }
   while (!text.empty()) {
+    if (!frame.fd && frame.length == kMaxDataBytes) return TakeRawDlc(text);
     if (frame.length == kMaxFdDataBytes) return false;
     const auto byte = TakeHex(text, 2);
     if (!byte) return false;
@@ -116,6 +125,11 @@ std::optional<LogLine> ParseCandump(std::string_view line) {
   }
   if (!TakePayload(line, result.frame) || !IsValid(result.frame)) return std::nullopt;
   return result;
+}
+
+bool IsCanXl(std::string_view line) {
+  const std::size_t hash = line.find('#');
+  return hash != std::string_view::npos && line.substr(hash + 1).find(':') == 2;
 }
 
 }  // namespace sinew::can

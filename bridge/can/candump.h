@@ -1,6 +1,7 @@
 // The log format of candump -l, a line a frame: "(1436509052.249713) can0 044#2A366C2BBA". Pure
 // text to frames and back; files are read by bridge/can/file. Remote frames are "123#R8", extended
-// identifiers have eight digits, error frames carry 0x20000000 in the identifier. Any thread.
+// identifiers have eight digits, error frames carry 0x20000000 in the identifier; the raw DLC that
+// candump -8 appends to eight bytes ("_9" to "_F") is read and not kept. Any thread.
 #pragma once
 
 #include <cstdint>
@@ -24,5 +25,8 @@ std::string FormatCandump(const LogLine& line);
 
 // Nothing when the line is not of this format, or the frame impossible (CAN FD lines are).
 std::optional<LogLine> ParseCandump(std::string_view line);
+
+// A frame of CAN XL, "(0.000000) can0 45123#81:00:12345678#11223344": ParseCandump gives nothing.
+bool IsCanXl(std::string_view line);
 
 }  // namespace sinew::can

@@ -93,9 +93,9 @@ Exported Export(const Options& options) {
   }
   const Tables tables(path, {options.topics.begin(), options.topics.end()});
   exported.cut_off = tables.cut_off();
-  for (const auto& [topic, why] : tables.left_out()) {
-    exported.left_out.push_back(topic);
-    std::cerr << options.recording.string() << ": left out: " << why << '\n';
+  for (const auto& [topic, why] : tables.left_out()) exported.left_out.push_back(topic);
+  if (!tables.left_out().empty()) {
+    std::cerr << recording::LeftOutText(options.recording.string(), tables.left_out()) << '\n';
   }
   if (options.format == "npz") {
     exported.topics = WriteNpz(tables, out);

@@ -13,6 +13,8 @@
 #include "components/record/recording/file/file_io.h"
 #include "components/record/recording/mcap_reader.h"
 #include "components/record/recording/mcap_writer.h"
+#include "components/record/recording/message_type.h"
+#include "components/record/recording/recorded_time.h"
 #include "tools/export_recording/ros2_messages.h"
 
 namespace sinew::export_recording {
@@ -32,8 +34,8 @@ void CheckIo(const recording::IoStatus& status) {
 // The MCAP file and what metadata.yaml says of it.
 class BagFile {
  public:
-  explicit BagFile(const std::filesystem::path& folder)
-      : folder_(folder), sink_(folder / kBagFile, recording::Existing::kRefuse) {
+  BagFile(const std::filesystem::path& folder, const recording::McapReader& reader)
+      : folder_(folder), time_(reader), sink_(folder / kBagFile, recording::Existing::kRefuse) {
     CheckIo(writer_.Open("ros2"));
   }
 
@@ -41,7 +43,7 @@ class BagFile {
              const recording::Bytes& bytes) {
     const auto [entry, is_new] = topics_.try_emplace(topic);
     if (is_new) AddTopic(topic, type, &entry->second);
-    CheckIo(writer_.WriteMessage(entry->second.channel, original.log_time_ns,
+    CheckIo(writer_.WriteMessage(entry->second.channel, time_.Of(original),
                                  original.publish_time_ns, bytes));
     ++entry->second.messages;
   }
@@ -55,6 +57,7 @@ class BagFile {
     return written;
   }
   bool empty() const { return topics_.empty(); }
+  const recording::RecordedTime& time() const { return time_; }
 
  private:
   struct Topic {
@@ -96,19 +99,19 @@ class BagFile {
   }
 
   std::filesystem::path folder_;
+  recording::RecordedTime time_;  // of the recording
   recording::FileSink sink_;
   recording::McapWriter writer_{sink_};
   std::map<std::string, recording::SchemaId> schemas_;
   std::map<std::string, Topic> topics_;
 };
 
-// The fields of one topic, by its schema in the recording.
+// The fields of one topic, by its type in the recording.
 class Fields {
  public:
-  explicit Fields(const recording::McapSchema& schema)
-      : idl_(recording::IdlSchema::Parse(schema.data)), type_(idl_.Struct(schema.name)) {}
+  explicit Fields(recording::MessageType type) : type_(std::move(type)) {}
 
-  CdrField Get(const std::string& path) const { return CdrField(type_, path); }
+  CdrField Get(const std::string& path) const { return CdrField(*type_.type, path); }
   std::vector<CdrField> Entries(const std::string& path, std::size_t count) const {
     std::vector<CdrField> fields;
     for (std::size_t i = 0; i < count; ++i) {
@@ -118,8 +121,7 @@ class Fields {
   }
 
  private:
-  recording::IdlSchema idl_;
-  const recording::IdlType& type_;
+  recording::MessageType type_;
 };
 
 class Translator {
@@ -130,8 +132,8 @@ class Translator {
 
 class JointStateTranslator : public Translator {
  public:
-  JointStateTranslator(const recording::McapSchema& schema, const RosNames& names)
-      : fields_(schema), names_(names.joints), named_(!names.joints.empty()) {
+  JointStateTranslator(const recording::MessageType& type, const RosNames& names)
+      : fields_(type), names_(names.joints), named_(!names.joints.empty()) {
     for (std::size_t i = 0; !named_ && i < kJoints; ++i) {
       names_.push_back("joint_" + std::to_string(i));
     }
@@ -172,8 +174,8 @@ class JointStateTranslator : public Translator {
 
 class ImuTranslator : public Translator {
  public:
-  ImuTranslator(const recording::McapSchema& schema, const RosNames& names)
-      : fields_(schema), frame_(names.imu_frame) {}
+  ImuTranslator(const recording::MessageType& type, const RosNames& names)
+      : fields_(type), frame_(names.imu_frame) {}
 
   void Translate(const McapMessage& message, BagFile* bag) override {
     if (valid_.AsInt(message.data) == 0) return;
@@ -200,8 +202,8 @@ class ImuTranslator : public Translator {
 
 class FootForceTranslator : public Translator {
  public:
-  FootForceTranslator(const recording::McapSchema& schema, const RosNames& names)
-      : fields_(schema), frames_(names.force_frames) {
+  FootForceTranslator(const recording::MessageType& type, const RosNames& names)
+      : fields_(type), frames_(names.force_frames) {
     for (std::size_t i = 0; i < kFeet; ++i) {
       if (frames_[i].empty()) frames_[i] = "foot_force_" + std::to_string(i);
     }
@@ -227,13 +229,14 @@ class FootForceTranslator : public Translator {
                         valid_ = fields_.Entries("valid", kFeet);
 };
 
-std::unique_ptr<Translator> MakeTranslator(const std::string& topic,
-                                           const recording::McapSchema* schema,
+// nullptr: no topic of a bag. Throws NotReadable.
+std::unique_ptr<Translator> MakeTranslator(const recording::McapReader& reader,
+                                           const recording::McapChannel& channel,
                                            const RosNames& names) {
-  if (schema == nullptr || schema->encoding != "omgidl") return nullptr;
-  if (topic == "joint_state") return std::make_unique<JointStateTranslator>(*schema, names);
-  if (topic == "imu") return std::make_unique<ImuTranslator>(*schema, names);
-  if (topic == "foot_force") return std::make_unique<FootForceTranslator>(*schema, names);
+  const recording::MessageType type = recording::MessageTypeOf(reader, channel);
+  if (channel.topic == "joint_state") return std::make_unique<JointStateTranslator>(type, names);
+  if (channel.topic == "imu") return std::make_unique<ImuTranslator>(type, names);
+  if (channel.topic == "foot_force") return std::make_unique<FootForceTranslator>(type, names);
   return nullptr;
 }
 
@@ -244,12 +247,16 @@ RosBag Translate(const recording::RecordingPath& path, const RosNames& names,
   std::map<recording::ChannelId, std::unique_ptr<Translator>> translators;
   std::set<std::string> left_out;
   for (const auto& [id, channel] : reader.channels()) {
-    auto translator = MakeTranslator(channel.topic, reader.SchemaOf(channel), names);
+    std::unique_ptr<Translator>& translator = translators[id];
+    try {
+      translator = MakeTranslator(reader, channel, names);
+    } catch (const recording::NotReadable&) {  // left out as all that a bag has not
+    }
     if (translator == nullptr) left_out.insert(channel.topic);
-    translators[id] = std::move(translator);
   }
-  BagFile bag(folder);
+  BagFile bag(folder, reader);
   recording::MessageFilter filter;
+  filter.in_file_order = bag.time().in_file_order();
   filter.topics = std::set<std::string>{"joint_state", "imu", "foot_force"};
   recording::McapMessages messages = reader.Messages(filter);
   McapMessage message;

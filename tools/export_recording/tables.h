@@ -41,7 +41,7 @@ class Tables {
   // By topic.
   const std::vector<std::unique_ptr<TopicTable>>& list() const { return list_; }
   // By topic, why it cannot be read: "messages 'json' with ...".
-  const std::map<std::string, std::string>& left_out() const { return left_out_; }
+  const recording::LeftOut& left_out() const { return left_out_; }
   // Why the end of the file is missing; empty: it is whole.
   std::string cut_off() const;
 
@@ -57,7 +57,7 @@ class Tables {
   recording::FileSource source_;
   std::unique_ptr<recording::McapReader> reader_;
   std::vector<std::unique_ptr<TopicTable>> list_;
-  std::map<std::string, std::string> left_out_;
+  recording::LeftOut left_out_;
   bool in_file_order_ = false;
 };
 

@@ -4,6 +4,8 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
+#include "components/base/types/json_text.h"
+
 namespace sinew::inspect {
 
 namespace {
@@ -97,7 +99,11 @@ Finding CheckInterface(const CanJson& link, const CanSettings& settings) {
 }  // namespace
 
 std::vector<Finding> CheckCan(const std::string& ip_json, const CanSettings& settings) {
-  const CanJson links = CanJson::parse(ip_json, nullptr, false);
+  CanJson links;
+  try {
+    links = types::ParseJson<CanJson>(ip_json, "");
+  } catch (const std::invalid_argument&) {  // no list
+  }
   if (!links.is_array()) throw std::invalid_argument("ip printed no list in JSON");
   std::vector<Finding> findings;
   for (const CanJson& link : links) {

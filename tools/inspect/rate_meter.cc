@@ -3,13 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "components/record/recording/session_clock.h"
+
 namespace sinew::inspect {
 
 namespace {
-
-// Stamps before 2001-09-09 (10^18 ns) are not of an epoch clock: simulated time begins at 0, and a
-// session of 31 years is none. An age against them has no meaning.
-constexpr std::int64_t kLeastEpochStamp_ns = 1'000'000'000'000'000'000;
 
 // Distinct differences of ticks that are kept apart; a topic with a step has few, and all larger
 // ones count with the largest.
@@ -46,7 +44,9 @@ void RateMeter::Add(const Arrival& arrival) {
   last_ns_ = arrival.arrival_ns;
   ++messages_;
   if (arrival.sent_ns) delay_ms_.Add(Milliseconds(arrival.arrival_ns - *arrival.sent_ns));
-  if (arrival.stamp_ns && !arrival.is_replay && *arrival.stamp_ns >= kLeastEpochStamp_ns) {
+  // An age against simulated time has no meaning.
+  if (arrival.stamp_ns && !arrival.is_replay &&
+      *arrival.stamp_ns >= recording::kLeastEpochStamp_ns) {
     age_ms_.Add(Milliseconds(arrival.arrival_ns - *arrival.stamp_ns));
   }
   if (!arrival.session_id) return;

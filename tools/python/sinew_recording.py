@@ -18,6 +18,7 @@ those in use (joint_count), rows that use fewer are filled with NaN, 0 or nothin
 (UTF-8). Units stand in the names of the fields.
 """
 import heapq
+import itertools
 import re
 import struct
 import warnings
@@ -33,6 +34,7 @@ MAGIC = b"\x89MCAP0\r\n"
 HEADER, FOOTER, SCHEMA, CHANNEL, MESSAGE, CHUNK, METADATA, DATA_END = 0x01, 0x02, 0x03, 0x04, 0x05, 0x06, 0x0C, 0x0F
 RECORD_HEAD = struct.Struct("<BQ")
 MESSAGE_HEAD = struct.Struct("<HIQQ")
+LEAST_EPOCH_NS = 10**18  # earlier stamps are simulated time
 
 
 class RecordingError(ValueError):
@@ -462,6 +464,40 @@ def map_at(data, at):
     return values, at
 
 
+# ---- ticks of joint_state: (log time, session, tick, stamp)
+
+
+def grow(ticks):
+    """Whether no session has an earlier tick after a later one."""
+    last = {}
+    for _, session, tick, _ in ticks:
+        if tick < last.get(session, 0):
+            return False
+        last[session] = tick
+    return True
+
+
+def span_of(ticks):
+    """Nanoseconds from the first stamp to the last: sessions follow one another, and each goes on by the step before
+    where its clock was set back (components/record/recording/session_clock.h)."""
+    sessions = {}
+    for _, session, tick, stamp in ticks:
+        sessions.setdefault(session, {}).setdefault(tick, stamp)
+    start = end = None
+    for stamps in sessions.values():
+        first_tick, *later = sorted(stamps)
+        tick_before, time, step, shift = first_tick, stamps[first_tick], 0, 0
+        for tick in later:
+            if stamps[tick] + shift < time:
+                shift = time + (tick - tick_before) * step - stamps[tick]
+            else:
+                step = (stamps[tick] + shift - time) // (tick - tick_before)
+            tick_before, time = tick, stamps[tick] + shift
+        start = stamps[first_tick] if start is None else start
+        end = time + max(0, (stamps[first_tick] if end is None else end) - stamps[first_tick])
+    return end - start
+
+
 class Message(NamedTuple):
     """A message of any topic: what iterating over a Recording gives."""
 
@@ -484,7 +520,8 @@ class Recording:
     what is whole is here); left_out (topic -> why: other encodings than CDR). Raises OSError, and RecordingError for a
     file that is broken; warns once of topics that are left out.
 
-    Iterating gives every Message in the order of log_time; len() is their number; `in` asks for a topic.
+    Iterating gives every Message in the order of log_time, or, where the clock of the robot was set back, in that of
+    the file, in which ticks grow; len() is their number; `in` asks for a topic.
     """
 
     def __init__(self, path, topics=None):
@@ -492,6 +529,8 @@ class Recording:
         self.profile, self.metadata, self.cut_off, self.left_out = "", {}, False, {}
         self._wanted = None if topics is None else set(topics)
         self._schemas, self._channels, self._messages, self._types = {}, {}, {}, {}
+        self._places = itertools.count()
+        self._states, self._ticks = set(), []  # channels of joint_state; (log time, session, tick, stamp) of its messages
         data = self.path.read_bytes()
         try:
             self._read(data)
@@ -502,6 +541,12 @@ class Recording:
         if self._wanted is None and self.left_out:
             topics = "; ".join(f"'{topic}' has {why}" for topic, why in sorted(self.left_out.items()))
             warnings.warn(f"{self.path}: topics are left out: {topics}", stacklevel=2)
+        in_time = sorted(self._ticks, key=lambda one: one[0])
+        self._set_back = not grow(in_time)
+        self._ticks = self._ticks if self._set_back else in_time
+        mode = self.metadata.get("sinew.recording", {}).get("mode")
+        self._simulated = mode == "lockstep" or mode is None and any(
+            stamp < LEAST_EPOCH_NS <= log_time for log_time, _, _, stamp in self._ticks)
 
     @property
     def topics(self):
@@ -518,12 +563,15 @@ class Recording:
 
     @property
     def duration_s(self):
-        """From the first log_time to the last, as `sinew list` prints it."""
+        """As `sinew list` prints it: from the first log_time to the last; of a recording in lockstep, and where the
+        clock was set back, by the stamps of joint_state, sessions one after the other."""
+        if self._ticks and (self._simulated or self._set_back):
+            return 1e-9 * span_of(self._ticks)
         return self._span_s(0)
 
     @property
     def stamps_s(self):
-        """From the first publish_time to the last: of a run in lockstep, simulated time."""
+        """From the first publish_time to the last."""
         return self._span_s(1)
 
     def _span_s(self, column):
@@ -538,9 +586,7 @@ class Recording:
 
     def __repr__(self):
         counts = self.counts
-        length = f"{self.duration_s:.4g} s"
-        if self.metadata.get("sinew.recording", {}).get("mode") == "lockstep":
-            length += f" ({self.stamps_s:.4g} s simulated)"
+        length = f"{self.duration_s:.4g} s" + (" simulated" if self._simulated else "")
         lines = [f"<Recording {self.path.name}: {length}, {len(self)} messages, {len(counts)} topics"
                  + (", cut off" if self.cut_off else "") + ">"]
         width, digits = max(map(len, counts), default=0), len(str(max(counts.values(), default=0)))
@@ -565,13 +611,14 @@ class Recording:
                 unreadable.append(str(error))
         if unreadable:
             warnings.warn("topics are left out: " + "; ".join(unreadable), stacklevel=2)
-        return heapq.merge(*map(self._messages_of, readable), key=lambda message: message.log_time_ns)
+        merged = heapq.merge(*map(self._placed, readable), key=lambda one: one[0])
+        return (message for _, message in merged)
 
     def __contains__(self, topic):
         return topic in self.topics
 
     def __getitem__(self, topic):
-        """Arrays of a topic by field path, and "log_time_ns", "publish_time_ns"; rows in the order of log_time."""
+        """Arrays of a topic by field path, and "log_time_ns", "publish_time_ns"; rows in the order of iterating."""
         kind, messages = self._of(topic)
         try:
             arrays = {"log_time_ns": np.array([message[0] for message in messages], np.int64),
@@ -582,14 +629,20 @@ class Recording:
 
     def messages(self, topic):
         """One message after the other as dicts, enums by their labels, all entries of fixed arrays."""
-        for message in self._messages_of(topic):
+        for _, message in self._placed(topic):
             yield message.content
 
-    def _messages_of(self, topic):
+    def _place(self, message):
+        """What messages are ordered by: log time, then place in the file."""
+        return (0 if self._set_back else message[0], message[3])
+
+    def _placed(self, topic):
+        """(place, Message) one after the other."""
         kind, messages = self._of(topic)
-        for log_time, publish_time, payload in messages:
+        for message in messages:
+            log_time, publish_time, payload, _ = message
             try:
-                yield Message(topic, log_time, publish_time, decode_one(kind, payload))
+                yield self._place(message), Message(topic, log_time, publish_time, decode_one(kind, payload))
             except (ValueError, IndexError) as error:
                 raise RecordingError(f"{self.path}: topic '{topic}': {error}") from error
 
@@ -610,7 +663,7 @@ class Recording:
         if not ids:
             raise KeyError(f"{self.path}: {self._absence(topic)}")
         messages = [message for channel in ids for message in self._messages.get(channel, [])]
-        messages.sort(key=lambda message: message[0])  # stable: equal times stay in file order
+        messages.sort(key=self._place)
         if topic not in self._types:
             schema = self._schemas.get(self._channels[ids[0]][1])
             try:
@@ -647,6 +700,8 @@ class Recording:
             number, schema = struct.unpack_from("<HH", body, 0)
             topic, at = text_at(body, 4)
             encoding, _ = text_at(body, at)
+            if topic == "joint_state" and self._schemas.get(schema, ("",))[0] == "sinew::msg::JointState":
+                self._states.add(number)
             if encoding != "cdr":
                 self.left_out[topic] = f"messages '{encoding}', expected cdr"
             elif self._wanted is None or topic in self._wanted:
@@ -662,8 +717,12 @@ class Recording:
 
     def _message(self, data, at, end):
         channel, _, log_time, publish_time = MESSAGE_HEAD.unpack_from(data, at)
+        start = at + MESSAGE_HEAD.size
+        if channel in self._states and end - start >= 20:  # the header is its first member
+            session, tick = struct.unpack_from("<QQ" if data[start + 1] & 1 else ">QQ", data, start + 4)
+            self._ticks.append((log_time, session, tick, publish_time))
         if channel in self._messages:
-            self._messages[channel].append((log_time, publish_time, data[at + MESSAGE_HEAD.size:end]))
+            self._messages[channel].append((log_time, publish_time, data[start:end], next(self._places)))
 
     def _chunk(self, body):
         _, _, size, crc = struct.unpack_from("<QQQI", body, 0)

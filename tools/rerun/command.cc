@@ -16,6 +16,7 @@
 #include "components/base/types/text.h"
 #include "components/record/recording/file/file_io.h"
 #include "components/record/recording/mcap_record.h"
+#include "components/record/recording/message_type.h"
 #include "components/topics/node/time_option.h"
 #include "tools/compose/chain.h"
 #include "tools/edited_yaml/edited_yaml.h"
@@ -266,6 +267,9 @@ int RunCommand(const RerunOptions& options) {
   node::StopFlag stop;
   recording::FileSource source(options.recording);
   const recording::McapReader reader(source);
+  if (const recording::LeftOut foreign = recording::NotReadableTopics(reader); !foreign.empty()) {
+    std::cerr << recording::LeftOutText(file, foreign) << '\n';
+  }
   const std::vector<Session> sessions = SessionsOf(reader, file);
   if (options.session > sessions.size()) {
     throw UsageError(file + ": session " + std::to_string(options.session) + ", expected 1 to " +

@@ -2,11 +2,13 @@
 
 #include <sinew_idl/joint.h>
 
+#include <algorithm>
 #include <iterator>
 #include <set>
 
 #include "components/base/config/config.h"
 #include "components/record/recording/idl_schema.h"
+#include "components/record/recording/recorded_time.h"
 #include "components/topics/node/topics.h"
 
 namespace sinew::rerun {
@@ -14,9 +16,10 @@ namespace {
 
 node::Bytes Copy(std::span<const std::byte> data) { return {data.begin(), data.end()}; }
 
-recording::MessageFilter Only(const std::vector<std::string>& topics) {
+recording::MessageFilter Only(const std::vector<std::string>& topics, bool in_file_order) {
   recording::MessageFilter filter;
   filter.topics = std::set<std::string>(topics.begin(), topics.end());
+  filter.in_file_order = in_file_order;
   return filter;
 }
 
@@ -66,7 +69,8 @@ void CheckWriters(const recording::McapReader& reader, const std::string& file,
 std::vector<Session> SessionsOf(const recording::McapReader& reader, const std::string& file) {
   CheckTypes(reader, file, {"joint_state"});
   std::vector<Session> sessions;
-  recording::McapMessages messages = reader.Messages(Only({"joint_state"}));
+  const bool in_file_order = recording::RecordedTime(reader).in_file_order();
+  recording::McapMessages messages = reader.Messages(Only({"joint_state"}, in_file_order));
   recording::McapMessage message;
   while (messages.Next(&message)) {
     node::HeadOfMessage head;
@@ -74,23 +78,28 @@ std::vector<Session> SessionsOf(const recording::McapReader& reader, const std::
       throw UsageError(file + ": a joint_state has " + std::to_string(message.data.size()) +
                        " bytes, expected a message with its header");
     }
-    if (sessions.empty() || sessions.back().id != head.session_id) {
+    auto session = std::find_if(sessions.begin(), sessions.end(),
+                                [&](const Session& one) { return one.id == head.session_id; });
+    if (session == sessions.end()) {
       msg::JointState state;
       if (!node::Decode(Copy(message.data), &state)) {
         throw UsageError(file + ": the joint_state of tick " + std::to_string(head.tick) +
                          " cannot be decoded");
       }
-      sessions.push_back({head.session_id, head.tick, head.tick, 0, state.period_s});
+      session = sessions.insert(
+          session, {head.session_id, head.tick, head.tick, 0, state.period_s, in_file_order});
     }
-    sessions.back().last_tick = head.tick;
-    ++sessions.back().states;
+    session->last_tick = std::max(session->last_tick, head.tick);
+    ++session->states;
   }
   return sessions;
 }
 
 RecordedTicks::RecordedTicks(const recording::McapReader& reader, const Session& session,
                              const std::vector<std::string>& topics)
-    : reader_(reader), session_(session), messages_(reader.Messages(Only(topics))) {
+    : reader_(reader),
+      session_(session),
+      messages_(reader.Messages(Only(topics, session.in_file_order))) {
   for (const auto& [id, channel] : reader_.channels()) {
     const node::TopicInfo* info = node::FindTopic(channel.topic);
     if (info == nullptr) continue;

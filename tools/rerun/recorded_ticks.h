@@ -21,11 +21,12 @@ struct Session {
   std::uint64_t id = 0;
   std::uint64_t first_tick = 0, last_tick = 0;  // of joint_state
   std::uint64_t states = 0;
-  double period_s = 0.0;  // nominal, of its first joint_state
+  double period_s = 0.0;       // nominal, of its first joint_state
+  bool in_file_order = false;  // of the file: log times are no order of its ticks
 };
 
-// In the order of the file. `file` is named in messages. Throws UsageError when a joint_state is of
-// another type than this build's or cannot be decoded.
+// In the order in which they began. `file` is named in messages. Throws UsageError when a
+// joint_state is of another type than this build's or cannot be decoded.
 std::vector<Session> SessionsOf(const recording::McapReader& reader, const std::string& file);
 
 // Throws UsageError naming the topic where the recorded type is not this build's: what another

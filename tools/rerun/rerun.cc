@@ -46,6 +46,7 @@ std::map<std::string, Snapshot> SnapshotsUpTo(const recording::McapReader& reade
   CheckTypes(reader, file, {"component_snapshot"});
   recording::MessageFilter filter;
   filter.topics = std::set<std::string>{"component_snapshot"};
+  filter.in_file_order = session.in_file_order;
   recording::McapMessages messages = reader.Messages(filter);
   std::map<std::string, Snapshot> whole;
   std::map<std::string, Gathered> gathered;

@@ -24,6 +24,7 @@
 #include "components/record/recording/cdr.h"
 #include "components/record/recording/file/file_io.h"
 #include "components/record/recording/mcap_reader.h"
+#include "components/record/recording/recorded_time.h"
 #include "components/topics/node/node.h"
 #include "components/topics/node/time_option.h"
 #include "tools/inspect/message_text.h"
@@ -248,6 +249,7 @@ void EchoFile(const EchoOptions& options) {
     const auto sink = MakeSink(options.topic, schema->name, schema->data, options);
     recording::MessageFilter filter;
     filter.topics = std::set<std::string>{options.topic};
+    filter.in_file_order = recording::RecordedTime(reader).in_file_order();
     recording::McapMessages messages = reader.Messages(filter);
     recording::McapMessage message;
     RateLimit limit(options.rate_Hz);

@@ -63,11 +63,18 @@ inspect::Graph GraphFromFile(const GraphOptions& options) {
     const recording::McapReader reader(source);
     std::vector<inspect::RecordedWriter> writers;
     std::map<std::string, std::string> kinds;  // by name
+    recording::LeftOut foreign;
     for (const auto& [id, channel] : reader.channels()) {
       const auto writer = channel.metadata.find("participant");
       writers.push_back({channel.topic, writer == channel.metadata.end() ? "" : writer->second});
+      if (!recording::IsReadable(reader, channel, &foreign)) continue;
       if (channel.topic != node::kComponentStatus.name) continue;
       const recording::MessageType type = recording::MessageTypeOf(reader, channel);
+      if (!recording::HasField(*type.type, "name") ||
+          !recording::HasField(*type.type, "component_kind")) {
+        foreign.emplace(channel.topic, "topic 'component_status' has no name or no component_kind");
+        continue;
+      }
       const recording::CdrField name(*type.type, "name"), kind(*type.type, "component_kind");
       recording::MessageFilter filter;
       filter.topics = std::set<std::string>{channel.topic};
@@ -77,13 +84,12 @@ inspect::Graph GraphFromFile(const GraphOptions& options) {
         if (message.channel_id == id) kinds[name.AsText(message.data)] = kind.AsText(message.data);
       }
     }
+    if (!foreign.empty()) std::cerr << recording::LeftOutText(options.from, foreign) << '\n';
     std::vector<inspect::RecordedParticipant> participants;
     participants.reserve(kinds.size());
     for (const auto& [name, kind] : kinds) participants.push_back({name, kind});
     return inspect::GraphOfRecording(writers, participants, options.all);
   } catch (const recording::McapError& error) {
-    throw UsageError(options.from + ": " + error.what());
-  } catch (const recording::NotReadable& error) {
     throw UsageError(options.from + ": " + error.what());
   } catch (const recording::CdrError& error) {
     throw UsageError(options.from + ": component_status: " + error.what());

@@ -18,6 +18,7 @@
 #include "components/record/recording/cdr.h"
 #include "components/record/recording/file/file_io.h"
 #include "components/record/recording/mcap_reader.h"
+#include "components/record/recording/recorded_time.h"
 #include "components/topics/node/node.h"
 #include "components/topics/node/time_option.h"
 #include "tools/inspect/rate_meter.h"
@@ -207,18 +208,23 @@ Summaries OfRecording(const HzOptions& options) {
     }
     std::map<std::string, RateMeter> meters;
     std::map<recording::ChannelId, std::uint64_t> numbers;  // a channel is a writer
+    const recording::RecordedTime time(reader);
+    filter.in_file_order = time.in_file_order();
     recording::McapMessages messages = reader.Messages(filter);
     recording::McapMessage message;
     while (messages.Next(&message)) {
       Arrival arrival;
-      arrival.arrival_ns = message.log_time_ns;
+      arrival.arrival_ns = time.Of(message);
       const std::optional<HeaderFields>& field = fields.at(message.channel_id);
       if (field) field->Read(message.data, &arrival);
+      if (arrival.stamp_ns && !time.is_simulated()) {  // set back as the log time was
+        *arrival.stamp_ns += arrival.arrival_ns - message.log_time_ns;
+      }
       const std::string& topic = reader.channels().at(message.channel_id).topic;
       ApplyProfile(node::FindTopic(topic), ++numbers[message.channel_id], &arrival);
       meters[topic].Add(arrival);
     }
-    return Summarize(meters, reader.statistics().end_time_ns);
+    return Summarize(meters, time.span() ? time.span()->end_ns : reader.statistics().end_time_ns);
   } catch (const recording::McapError& error) {
     throw UsageError(options.from + ": " + error.what());
   }
@@ -305,8 +311,8 @@ void AddHzCommand(CLI::App& app) {
       "from\n"
       "header.stamp_ns to arrival (none of simulated time and replays); delay: from sending to "
       "arrival. lost:\n"
-      "missing ticks by gaps of header.tick within a session. Exit code 1 when no message "
-      "came.\n\nExamples:\n"
+      "missing ticks by gaps of header.tick within a session. A recording in lockstep has simulated "
+      "time. Exit code\n1 when no message came.\n\nExamples:\n"
       "  sinew hz joint_state joint_command\n"
       "  sinew hz --duration 5 --json\n"
       "  sinew hz --from run.mcap");

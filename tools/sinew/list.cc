@@ -25,6 +25,7 @@
 #include "components/model/report/section.h"
 #include "components/record/recording/file/file_io.h"
 #include "components/record/recording/mcap_reader.h"
+#include "components/record/recording/recorded_time.h"
 #include "components/record/recording/run_import.h"
 #include "components/topics/isolation/isolation.h"
 #include "components/topics/node/endpoint.h"
@@ -363,13 +364,17 @@ Json DescribeRecording(const std::filesystem::path& path) {
   try {
     const recording::McapReader reader(source);
     const recording::McapStatistics& statistics = reader.statistics();
+    const auto span = recording::RecordedTime(reader).span().value_or(
+        recording::RecordedTime::Span{statistics.start_time_ns, statistics.end_time_ns});
+    if (const recording::LeftOut foreign = recording::NotReadableTopics(reader); !foreign.empty()) {
+      std::cerr << recording::LeftOutText(path.string(), foreign) << '\n';
+    }
     Json report;
     report["file"] = path.string();
     report["bytes"] = source.size();
     report["messages"] = statistics.message_count;
     report["chunks"] = statistics.chunk_count;
-    report["duration_s"] =
-        recording::SecondsFromStamp(statistics.end_time_ns - statistics.start_time_ns);
+    report["duration_s"] = recording::SecondsFromStamp(span.end_ns - span.start_ns);
     if (reader.recovery()) {
       report["cut_off"] = {{"good_bytes", reader.recovery()->good_bytes},
                            {"lost_bytes", reader.recovery()->lost_bytes},

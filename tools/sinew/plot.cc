@@ -56,13 +56,6 @@ struct PlotRow {
   std::vector<double> values;  // of the entries picked from its table
 };
 
-// A session of the recording on the time of the plot.
-struct PlotSession {
-  std::uint64_t id = 0;
-  recording::SessionClock clock{};
-  std::int64_t add_ns = 0;  // to a stamp of the clock: time from the recording's start
-};
-
 // NaN where a list of the message is too short; it was decoded before.
 double ValueOf(const recording::CdrField& field, std::span<const std::byte> payload) {
   try {
@@ -131,36 +124,13 @@ std::vector<std::vector<PlotRow>> RowsOf(const Tables& tables,
   return rows;
 }
 
-// Sessions as they came, each not before the end of the one before: simulated time begins anew in
-// each. Within a session time only goes on (session_clock.h).
-std::vector<PlotSession> SessionsOf(const std::vector<PlotRow>& rows) {
-  std::vector<PlotSession> sessions;
-  std::map<std::uint64_t, std::map<std::uint64_t, std::int64_t>> stamps;  // by session and tick
-  for (const PlotRow& row : rows) {
-    const auto [of_session, is_new] = stamps.try_emplace(row.session);
-    if (is_new) sessions.push_back({row.session});
-    of_session->second.try_emplace(row.tick, row.stamp_ns);
-  }
-  std::int64_t start_ns = 0, end_ns = 0;
-  for (PlotSession& session : sessions) {
-    const auto& ticks = stamps.at(session.id);
-    const std::int64_t first_ns = ticks.begin()->second;
-    std::int64_t last_ns = first_ns;
-    for (const auto& [tick, stamp_ns] : ticks) last_ns = session.clock.Take(tick, stamp_ns);
-    if (&session == &sessions.front()) start_ns = first_ns;
-    session.add_ns = std::max(-start_ns, end_ns - first_ns);
-    end_ns = last_ns + session.add_ns;
-  }
-  return sessions;
-}
-
 // The curve of the entry number `index` of the rows, by session and tick; sessions are apart.
-void Fill(const std::vector<PlotSession>& sessions, const std::vector<PlotRow>& rows,
-          std::size_t index, const PlotOptions& options, inspect::Curve* curve) {
-  for (const PlotSession& session : sessions) {
+void Fill(const recording::SessionTimes& times, const std::vector<PlotRow>& rows, std::size_t index,
+          const PlotOptions& options, inspect::Curve* curve) {
+  for (const std::uint64_t session : times.sessions()) {
     std::vector<const PlotRow*> ordered;
     for (const PlotRow& row : rows) {
-      if (row.session == session.id) ordered.push_back(&row);
+      if (row.session == session) ordered.push_back(&row);
     }
     std::stable_sort(ordered.begin(), ordered.end(),
                      [](const PlotRow* a, const PlotRow* b) { return a->tick < b->tick; });
@@ -170,7 +140,7 @@ void Fill(const std::vector<PlotSession>& sessions, const std::vector<PlotRow>& 
     }
     for (const PlotRow* row : ordered) {
       const std::int64_t time_ns =
-          row->stamp_ns + session.clock.ShiftOf(row->tick) + session.add_ns;
+          row->stamp_ns + times.ShiftOf(session, row->tick) - times.start_ns();
       const double time_s = 1e-9 * static_cast<double>(time_ns);
       if (time_s < options.from_s || time_s > options.to_s) continue;
       curve->time_s.push_back(time_s);
@@ -194,19 +164,20 @@ void AddCurves(const std::string& file, const std::vector<inspect::TopicField>& 
     picked.insert(picked.end(), entries.begin(), entries.end());
   }
   const std::vector<std::vector<PlotRow>> rows = RowsOf(tables, picked);
-  std::vector<PlotRow> clock;
+  // Where there is no joint_state, the clock is what was asked for.
+  const bool has_clock = std::any_of(tables.list().begin(), tables.list().end(),
+                                     [](const auto& one) { return one->topic == kClockTopic; });
+  std::vector<recording::SessionTimes::Tick> ticks;
   for (std::size_t t = 0; t < rows.size(); ++t) {
-    if (tables.list()[t]->topic == kClockTopic) clock = rows[t];
+    if (has_clock && tables.list()[t]->topic != kClockTopic) continue;
+    for (const PlotRow& row : rows[t]) ticks.push_back({row.session, row.tick, row.stamp_ns});
   }
-  if (clock.empty()) {
-    for (const auto& of_table : rows) clock.insert(clock.end(), of_table.begin(), of_table.end());
-  }
-  const std::vector<PlotSession> sessions = SessionsOf(clock);
+  const recording::SessionTimes times(ticks);
   std::map<std::size_t, std::size_t> taken;  // entries by table
   for (const PickedEntry& one : picked) {
     const std::string& topic = tables.list()[one.table]->topic;
     curves->push_back(inspect::CurveOf(prefix + topic + "." + one.path, one.path));
-    Fill(sessions, rows[one.table], taken[one.table]++, options, &curves->back());
+    Fill(times, rows[one.table], taken[one.table]++, options, &curves->back());
   }
 }
 

@@ -29,9 +29,11 @@ nlohmann::ordered_json StatusJson(const std::string& words) {
     const std::size_t equals = word.find('=');
     if (equals == std::string::npos) continue;
     const std::string value = word.substr(equals + 1);
-    const bool number = nlohmann::json::accept(value);
-    json[word.substr(0, equals)] =
-        number ? nlohmann::ordered_json::parse(value) : nlohmann::ordered_json(value);
+    try {
+      json[word.substr(0, equals)] = types::ParseJson<nlohmann::ordered_json>(value, "", 0);
+    } catch (const std::invalid_argument&) {
+      json[word.substr(0, equals)] = value;
+    }
   }
   return json;
 }

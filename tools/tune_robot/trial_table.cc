@@ -108,7 +108,7 @@ void TrialTable::Read(const std::string& text) {
     from = end + 1;
     const std::string place = path_.string() + ":" + std::to_string(++line_number) + ": ";
     try {
-      const Json json = Json::parse(line);
+      const auto json = types::ParseJson<Json>(line, "");
       if (line_number > 1) {
         known_.push_back(TrialOf(json));
         continue;
@@ -119,6 +119,8 @@ void TrialTable::Read(const std::string& text) {
         throw UsageError(place + "another search: " + difference +
                          "; remove the file to begin anew");
       }
+    } catch (const std::invalid_argument& error) {
+      throw UsageError(place + "no line of a table of trials (" + error.what() + ")");
     } catch (const nlohmann::json::exception& error) {
       throw UsageError(place + "no line of a table of trials (" + error.what() + ")");
     }

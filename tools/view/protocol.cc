@@ -14,9 +14,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr std::uint8_t kMessageData = 1;
-// A field of an entry of a list of a message. dump() calls itself for each level: the 32000 that
-// fit into a text are more than a thread's stack of 8 MB has in an unoptimised program.
-constexpr int kDeepest = 3;
+constexpr int kDeepest = 4;  // a field of an entry of a list of a message
 
 std::optional<std::uint32_t> Number32(const Json& object, const char* key) {
   const auto found = object.find(key);
@@ -101,8 +99,11 @@ std::string StatusText(StatusLevel level, std::string_view message, std::string_
 }
 
 ClientMessage ParseClientText(std::string_view text) {
-  const auto shallow = [](int depth, Json::parse_event_t, Json&) { return depth <= kDeepest; };
-  const Json message = Json::parse(text, shallow, false);
+  Json message;
+  try {
+    message = types::ParseJson<Json>(text, "", kDeepest);
+  } catch (const std::invalid_argument&) {  // no object
+  }
   if (!message.is_object()) return Refused{"not a JSON object"};
   const auto op = message.find("op");
   if (op == message.end() || !op->is_string()) return Refused{"no text 'op'"};

@@ -95,10 +95,16 @@ RecordedView::Moment ParseMoment(const std::string& query) {
 RecordedView::RecordedView(const std::filesystem::path& file) try
     : file_(file.string()), source_(file), reader_(source_) {
   const auto& counts = reader_.statistics().channel_message_counts;
+  recording::LeftOut left_out;
   for (const auto& [id, channel] : reader_.channels()) {
     const auto count = counts.find(id);
-    AddChannel(id, channel, count == counts.end() ? 0 : count->second);
+    try {
+      AddChannel(id, channel, count == counts.end() ? 0 : count->second);
+    } catch (const recording::NotReadable& error) {
+      left_out.emplace(channel.topic, error.what());
+    }
   }
+  if (!left_out.empty()) spdlog::warn("{}", recording::LeftOutText(file_, left_out));
   recording::MessageFilter filter;
   filter.topics = std::set<std::string>{kTickTopic, kStatusTopic, kLogTopic};
   recording::McapMessages messages = reader_.Messages(filter);
@@ -126,17 +132,19 @@ RecordedView::RecordedView(const std::filesystem::path& file) try
 
 void RecordedView::AddChannel(recording::ChannelId id, const recording::McapChannel& channel,
                               std::uint64_t messages) {
-  recording::MessageType readable;
-  try {
-    readable = recording::MessageTypeOf(reader_, channel);
-  } catch (const recording::NotReadable& error) {
-    spdlog::warn("left out: {}", error.what());
-    return;
-  }
+  const recording::MessageType readable = recording::MessageTypeOf(reader_, channel);
   const recording::McapSchema* schema = reader_.SchemaOf(channel);
   const recording::IdlType& type = *readable.type;
-  if (!recording::HasField(type, "header.session_id")) return;
-  if (!recording::HasField(type, "header.tick")) return;
+  for (const char* field : {"header.session_id", "header.tick", "header.stamp_ns"}) {
+    if (recording::HasField(type, field)) continue;
+    throw recording::NotReadable("topic '" + channel.topic + "' has messages without " + field);
+  }
+  std::optional<StatusReader> status;
+  try {
+    if (channel.topic == kStatusTopic) status.emplace(type);
+  } catch (const recording::CdrError& error) {
+    throw recording::NotReadable("topic '" + channel.topic + "' has another type: " + error.what());
+  }
   auto topic = std::find_if(topics_.begin(), topics_.end(), [&](const RecordedTopic& other) {
     return other.topic == channel.topic && other.schema == schema->data;
   });
@@ -149,9 +157,8 @@ void RecordedView::AddChannel(recording::ChannelId id, const recording::McapChan
                 recording::CdrField(type, "header.session_id"),
                 recording::CdrField(type, "header.tick"),
                 recording::CdrField(type, "header.stamp_ns"),
-                std::nullopt,
+                std::move(status),
                 std::nullopt};
-  if (channel.topic == kStatusTopic) reader.status.emplace(type);
   if (channel.topic == kLogTopic && recording::HasField(type, "time_ns")) reader.log.emplace(type);
   readers_.emplace(id, std::move(reader));
 }

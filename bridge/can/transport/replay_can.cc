@@ -17,6 +17,10 @@ std::vector<LogLine> ReadCandumpFile(const std::string& path) {
   for (int number = 1; std::getline(text, line); ++number) {
     if (line.empty()) continue;
     const auto parsed = ParseCandump(line);
+    if (!parsed && IsCanXl(line)) {
+      throw UsageError(path + ":" + std::to_string(number) +
+                       ": a frame of CAN XL, which is not read, expected classic CAN or CAN FD");
+    }
     if (!parsed) {
       throw UsageError(
           path + ":" + std::to_string(number) +

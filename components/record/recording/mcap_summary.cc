@@ -34,6 +34,28 @@ void AddSummaryRecord(const McapRecord& record, const Bytes& content, McapConten
   }
 }
 
+// Messages outside of chunks have no index. The heads of what is neither an indexed chunk nor the
+// message indexes behind it are read: few.
+bool HasLooseMessages(const McapRecords& records, const std::vector<McapChunkIndex>& chunks,
+                      std::uint64_t end) {
+  std::map<std::uint64_t, std::uint64_t> ends;
+  for (const McapChunkIndex& chunk : chunks) {
+    const std::uint64_t chunk_end = chunk.offset + chunk.length;
+    const bool inside = chunk.message_index_length <= end - chunk_end;
+    ends[chunk.offset] = chunk_end + (inside ? chunk.message_index_length : 0);
+  }
+  for (std::uint64_t offset = kMcapMagic.size(); offset < end;) {
+    if (const auto chunk = ends.find(offset); chunk != ends.end()) {
+      offset = chunk->second;
+      continue;
+    }
+    const McapRecord record = records.ReadHead(offset, end);
+    if (record.opcode == Opcode::kMessage) return true;
+    offset = record.end();
+  }
+  return false;
+}
+
 }  // namespace
 
 void McapContents::AddSchema(std::uint64_t offset, McapSchema schema) {
@@ -106,7 +128,9 @@ std::optional<McapContents> ReadSummary(const McapRecords& records, std::uint64_
       counts.metadata_count == contents.metadata_offsets.size() &&
       counts.attachment_count == contents.attachment_offsets.size() &&
       (counts.message_count == 0 || (!contents.chunks.empty() && !contents.channels.empty()));
-  if (!is_complete) return std::nullopt;
+  if (!is_complete || HasLooseMessages(records, contents.chunks, footer.summary_start)) {
+    return std::nullopt;
+  }
   return contents;
 }
 

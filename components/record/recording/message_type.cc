@@ -20,4 +20,28 @@ MessageType MessageTypeOf(const McapReader& reader, const McapChannel& channel) 
   }
 }
 
+bool IsReadable(const McapReader& reader, const McapChannel& channel, LeftOut* left_out) {
+  try {
+    (void)MessageTypeOf(reader, channel);
+    return true;
+  } catch (const NotReadable& error) {
+    left_out->emplace(channel.topic, error.what());
+    return false;
+  }
+}
+
+LeftOut NotReadableTopics(const McapReader& reader) {
+  LeftOut left_out;
+  for (const auto& [id, channel] : reader.channels()) (void)IsReadable(reader, channel, &left_out);
+  return left_out;
+}
+
+std::string LeftOutText(const std::string& file, const LeftOut& left_out) {
+  std::string text;
+  for (const auto& [topic, why] : left_out) {
+    text += (text.empty() ? file + ": left out: " : "; ") + why;
+  }
+  return text;
+}
+
 }  // namespace sinew::recording

@@ -191,12 +191,9 @@ std::string FormatModel(const Model& model) {
 Model ParseModel(const std::string& text, const std::string& name) {
   Json json;
   try {
-    json = Json::parse(text);
-  } catch (const Json::parse_error& error) {
-    const auto byte = std::min(error.byte, text.size());
-    const auto line = 1 + std::count(text.begin(), text.begin() + static_cast<long>(byte), '\n');
-    throw UsageError(name + ":" + std::to_string(line) + ": no JSON, expected schema " +
-                     std::string(kSchema));
+    json = types::ParseJson<Json>(text, name);
+  } catch (const std::invalid_argument& error) {
+    throw UsageError(error.what() + std::string(", expected schema ") + std::string(kSchema));
   }
   const Reader root(json, name, "");
   if (root.Text("schema") != kSchema) {

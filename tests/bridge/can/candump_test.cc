@@ -52,6 +52,31 @@ TEST(Candump, FdFramesHaveASecondHashAndFlags) {
       << "no frame has nine bytes";
 }
 
+// candump -8: eight bytes whose length field said 9 to 15.
+TEST(Candump, ARawDlcIsRead) {
+  const auto line = ParseCandump("(1436509052.249713) can0 123#1122334455667788_9");
+  ASSERT_TRUE(line);
+  EXPECT_EQ(line->frame.length, 8);
+  EXPECT_EQ(line->frame.data[7], 0x88);
+  const auto remote = ParseCandump("(1436509052.249713) can0 12345678#R8_F T");
+  ASSERT_TRUE(remote);
+  EXPECT_TRUE(remote->frame.remote && remote->frame.extended);
+  EXPECT_EQ(remote->frame.length, 8);
+  for (const char* wrong :
+       {"123#1122334455667788_8", "123#1122334455667788_", "123#1122334455667788_9A", "123#11_9",
+        "123#R7_9", "123#R8_", "123##01122334455667788_9", "123#112233445566778899"}) {
+    EXPECT_FALSE(ParseCandump(std::string("(1436509052.249713) can0 ") + wrong)) << wrong;
+  }
+}
+
+TEST(Candump, FramesOfCanXlAreKnown) {
+  const char* line = "(1436509052.249713) can0 45123#81:00:12345678#11223344.55667788";
+  EXPECT_FALSE(ParseCandump(line));
+  EXPECT_TRUE(IsCanXl(line));
+  EXPECT_FALSE(IsCanXl("(1436509052.249713) can0 123#1122334455667788"));
+  EXPECT_FALSE(IsCanXl("a log of ours: nothing"));
+}
+
 TEST(Candump, ExactTextIsWritten) {
   EXPECT_EQ(FormatCandump({1436509052249713999, "vcan0", Encode(1, SetInputTorque{0.1})}),
             "(1436509052.249713) vcan0 02E#CDCCCC3D00000000");

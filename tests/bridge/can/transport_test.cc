@@ -289,6 +289,15 @@ TEST(ReplayCan, BrokenLineIsNamedWithFileAndNumber) {
   } catch (const UsageError& error) {
     EXPECT_NE(std::string(error.what()).find(path + ":2:"), std::string::npos) << error.what();
   }
+  std::ofstream(path) << "(1436509052.249713) can0 45123#81:00:12345678#11223344\n";
+  try {
+    ReadCandumpFile(path);
+    FAIL();
+  } catch (const UsageError& error) {
+    EXPECT_EQ(error.what(), path +
+                                ":1: a frame of CAN XL, which is not read, expected classic CAN "
+                                "or CAN FD");
+  }
   std::filesystem::remove(path);
 }
 

@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "components/base/config/config.h"
+#include "components/record/recording/cdr.h"
 #include "components/record/recording/file/cdr_json.h"
 #include "components/record/recording/file/file_io.h"
 #include "components/record/recording/file/ros_bag.h"
@@ -36,6 +37,7 @@ namespace fs = std::filesystem;
 using nlohmann::ordered_json;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::Pair;
 
 // The messages as rosidl maps them to IDL (rosidl_adapter), written here by hand from the published
 // .msg files: what another program would read the bag with.
@@ -77,7 +79,8 @@ class Bag : public ::testing::Test {
     message.header.stamp_ns = stamp_ns_;
     node::Bytes bytes;
     ASSERT_TRUE(node::Encode(message, &bytes));
-    ASSERT_TRUE(writer_.WriteMessage(channel->second, stamp_ns_ + 500, stamp_ns_, bytes).ok());
+    const std::int64_t log_ns = log_ns_ > 0 ? log_ns_ : stamp_ns_ + 500;
+    ASSERT_TRUE(writer_.WriteMessage(channel->second, log_ns, stamp_ns_, bytes).ok());
     stamp_ns_ += 1'000'000'000;
   }
 
@@ -110,14 +113,40 @@ class Bag : public ::testing::Test {
     return out;
   }
 
+  // Times of a bag's messages, and the ticks that their positions name.
+  std::vector<std::pair<std::int64_t, double>> TimesOfBag() const {
+    recording::FileSource source(folder_.path() / "bag" / "recording_0.mcap");
+    const recording::McapReader reader(source);
+    const recording::IdlSchema schema = recording::IdlSchema::Parse(kRosIdl);
+    const recording::CdrField tick(schema.Struct("sensor_msgs::msg::JointState"), "position[0]");
+    recording::McapMessages messages = reader.Messages();
+    recording::McapMessage message;
+    std::vector<std::pair<std::int64_t, double>> times;
+    while (messages.Next(&message)) {
+      times.emplace_back(message.log_time_ns, tick.AsDouble(message.data));
+    }
+    return times;
+  }
+  // A state of that tick, which is its position.
+  void AddTick(std::uint64_t session, std::uint64_t tick) {
+    msg::JointState state;
+    state.header.session_id = session;
+    state.header.tick = tick;
+    state.joint_count = 1;
+    state.valid[0] = true;
+    state.position_rad[0] = static_cast<double>(tick);
+    Add(node::kJointState, state);
+  }
+
   testing::TemporaryFolder folder_;
   fs::path path_ = folder_.path() / "run.mcap";
+  std::int64_t stamp_ns_ = kStart_ns;  // of the next message
+  std::int64_t log_ns_ = 0;            // of the next message; 0: 500 ns after its stamp
 
  private:
   recording::FileSink sink_{path_, recording::Existing::kReplace};
   recording::McapWriter writer_{sink_};
   std::map<std::string, recording::ChannelId> channels_;
-  std::int64_t stamp_ns_ = kStart_ns;
 };
 
 TEST_F(Bag, HasJointsByNameAndNothingForALostOne) {
@@ -263,6 +292,34 @@ TEST_F(Bag, IsDescribedByItsMetadata) {
                               "        type: sensor_msgs/msg/JointState\n"
                               "        serialization_format: cdr\n"));
   EXPECT_THAT(text, HasSubstr("      message_count: 3\n"));
+}
+
+TEST_F(Bag, OfLockstepPlaysAsFastAsTheRobotMoved) {
+  for (std::uint64_t session = 1; session <= 2; ++session) {
+    stamp_ns_ = 0;
+    for (std::uint64_t tick = 0; tick < 3; ++tick) {
+      log_ns_ = kStart_ns + static_cast<std::int64_t>(1000 * (10 * session + tick));
+      AddTick(session, tick);
+    }
+  }
+  Write();
+  EXPECT_THAT(TimesOfBag(), ElementsAre(Pair(0, 0.0), Pair(1'000'000'000, 1.0),
+                                        Pair(2'000'000'000, 2.0), Pair(2'000'000'000, 0.0),
+                                        Pair(3'000'000'000, 1.0), Pair(4'000'000'000, 2.0)));
+}
+
+TEST_F(Bag, GoesOnWhereTheClockWasSetBack) {
+  for (std::uint64_t tick = 0; tick < 6; ++tick) {
+    if (tick == 3) stamp_ns_ -= 2'500'000'000;
+    AddTick(1, tick);
+  }
+  Write();
+  const auto times = TimesOfBag();
+  ASSERT_EQ(times.size(), 6u);
+  for (std::size_t i = 0; i < times.size(); ++i) {
+    EXPECT_EQ(times[i].first, kStart_ns + 500 + 1'000'000'000 * static_cast<std::int64_t>(i));
+    EXPECT_EQ(times[i].second, static_cast<double>(i));
+  }
 }
 
 TEST_F(Bag, OfARecordingWithoutItsTopicsIsRefused) {

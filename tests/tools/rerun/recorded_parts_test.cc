@@ -2,13 +2,17 @@
 #include "tools/rerun/recorded_parts.h"
 
 #include <gtest/gtest.h>
+#include <sinew_idl/joint.h>
 
 #include <string>
 
 #include "components/base/config/config.h"
 #include "components/record/recording/file/file_io.h"
 #include "components/record/recording/mcap_writer.h"
+#include "components/record/recording/run_import.h"
+#include "components/topics/node/topics.h"
 #include "tests/support/temporary_folder.h"
+#include "tools/rerun/recorded_ticks.h"
 
 namespace sinew::rerun {
 namespace {
@@ -114,6 +118,44 @@ TEST(RecordedParts, WithoutAttachmentsOrMetadataTheRecordingIsRefused) {
             "run.mcap: no deployment is attached, expected --deployment FILE");
   EXPECT_NE(UsageErrorOf([&] { (void)ModeOf(reader, "run.mcap"); }).find("do not say the mode"),
             std::string::npos);
+}
+
+// Two sessions; in the first one the clock was set back by 6 s at tick 600 of 1400.
+TEST(RecordedTicks, AreAllThereWhereTheClockWasSetBack) {
+  const TemporaryFolder folder;
+  const auto file = folder.path() / "set_back.mcap";
+  {
+    recording::FileSink sink(file, recording::Existing::kReplace);
+    recording::McapWriter writer(sink);
+    ASSERT_TRUE(writer.Open().ok());
+    const node::TopicInfo& info = *node::FindTopic("joint_state");
+    recording::ChannelId channel{};
+    ASSERT_TRUE(
+        recording::AddTopic({info.name, info.type_name, info.idl, info.idl_hash}, &writer, &channel)
+            .ok());
+    for (std::uint64_t i = 0; i < 1500; ++i) {
+      msg::JointState state;
+      state.header.session_id = i < 1400 ? 1 : 2;
+      state.header.tick = i % 1400;
+      state.header.stamp_ns = 1'700'000'000'000'000'000 + 10'000'000 * static_cast<std::int64_t>(i);
+      if (i >= 600) state.header.stamp_ns -= 6'000'000'000;
+      node::Bytes bytes;
+      ASSERT_TRUE(node::Encode(state, &bytes));
+      ASSERT_TRUE(
+          writer.WriteMessage(channel, state.header.stamp_ns, state.header.stamp_ns, bytes).ok());
+    }
+    ASSERT_TRUE(writer.Close().ok() && sink.Close().ok());
+  }
+  recording::FileSource source(file);
+  const recording::McapReader reader(source);
+  const std::vector<Session> sessions = SessionsOf(reader, file.string());
+  ASSERT_EQ(sessions.size(), 2u);
+  EXPECT_EQ(sessions[0].first_tick, 0u);
+  EXPECT_EQ(sessions[0].last_tick, 1399u);
+  EXPECT_EQ(sessions[0].states, 1400u);
+  RecordedTicks recorded(reader, sessions[0], {"joint_state"});
+  for (std::uint64_t tick = 0; tick < 1400; ++tick) ASSERT_EQ(recorded.Next(), tick);
+  EXPECT_EQ(recorded.Next(), std::nullopt);
 }
 
 }  // namespace

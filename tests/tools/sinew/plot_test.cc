@@ -1,10 +1,11 @@
-// `sinew plot`, and what `sinew echo` and `sinew list` print of a recording.
+// `sinew plot`, and what `sinew echo`, `sinew hz` and `sinew list` print of a recording.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <nlohmann/json.hpp>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -193,6 +194,7 @@ TEST_F(RecordedPlot, ListShowsTheTopicsOfTheRobotAndWithAllEverything) {
   ASSERT_EQ(list.exit_code, 0) << list.error;
   EXPECT_THAT(list.output,
               AllOf(HasSubstr("run.mcap: 301 messages, "),
+                    HasSubstr(" MB, 2.0 s\n"),  // simulated; the log has 0.2 s
                     HasSubstr("\njoint_state                 200  JointState         \n"),
                     HasSubstr("\nreference                   100  Reference          \n"),
                     HasSubstr("\nnot shown without --all: component_status\n")));
@@ -201,6 +203,90 @@ TEST_F(RecordedPlot, ListShowsTheTopicsOfTheRobotAndWithAllEverything) {
   ASSERT_EQ(all.exit_code, 0) << all.error;
   EXPECT_THAT(all.output, AllOf(HasSubstr("\ncomponent_status "), HasSubstr("sinew::msg::Ref"),
                                 Not(HasSubstr("not shown"))));
+}
+
+TEST_F(RecordedPlot, HzOfLockstepIsThatOfSimulatedTime) {
+  const Finished hz = testing::Run({kSinew, "hz", "--from", path_.string(), "--json"});
+  ASSERT_EQ(hz.exit_code, 0) << hz.error;
+  const auto rows = nlohmann::json::parse(hz.output);
+  for (const auto& row : rows) {
+    if (row["topic"] != "joint_state") continue;
+    EXPECT_NEAR(row["rate_Hz"].get<double>(), 100.0, 1.0);
+    EXPECT_NEAR(row["seconds"].get<double>(), 1.98, 1e-9);
+    EXPECT_TRUE(row["age_ms"].is_null());
+    return;
+  }
+  FAIL() << hz.output;
+}
+
+// A live robot at 100 Hz whose clock was set back by 0.25 s at tick 50.
+TEST_F(RecordedPlot, TicksAndTimeGoOnWhereTheClockWasSetBack) {
+  const std::filesystem::path path = folder_.path() / "set_back.mcap";
+  recording::FileSink sink(path, recording::Existing::kReplace);
+  recording::McapWriter writer(sink);
+  recording::ChannelId channel{};
+  ASSERT_TRUE(writer.Open().ok());
+  ASSERT_TRUE(recording::AddTopic(testing::SchemaOf("joint_state"), &writer, &channel).ok());
+  std::string ticks;
+  for (int tick = 0; tick < 100; ++tick) {
+    ticks += std::to_string(tick) + "\n";
+    const std::int64_t stamp_ns =
+        1'700'000'000'000'000'000 + 10'000'000LL * tick - (tick < 50 ? 0 : 250'000'000);
+    ASSERT_TRUE(
+        writer
+            .WriteMessage(channel, stamp_ns + 1000, stamp_ns,
+                          testing::MakeMessage("joint_state", {{"header.session_id", 1},
+                                                               {"header.tick", double(tick)}}))
+            .ok());
+  }
+  ASSERT_TRUE(writer.Close().ok() && sink.Close().ok());
+  const Finished echo =
+      testing::Run({kSinew, "echo", "joint_state.header.tick", "--from", path.string()});
+  EXPECT_EQ(echo.output, ticks) << echo.error;
+  const Finished hz = testing::Run({kSinew, "hz", "--from", path.string(), "--json"});
+  ASSERT_EQ(hz.exit_code, 0) << hz.error;
+  const auto row = nlohmann::json::parse(hz.output).at(0);
+  EXPECT_NEAR(row["rate_Hz"].get<double>(), 100.0, 1e-6);
+  EXPECT_EQ(row["repeated"], 0);
+  EXPECT_EQ(row["lost"], 0);
+  const Finished list = testing::Run({kSinew, "list", path.string(), "--json"});
+  EXPECT_NEAR(nlohmann::json::parse(list.output)["duration_s"].get<double>(), 0.99, 1e-9);
+}
+
+// Every command leaves them out with the same words; a known name does not matter.
+TEST_F(RecordedPlot, TopicsThatNobodyReadsAreLeftOutWithOneWarning) {
+  const std::filesystem::path path = folder_.path() / "foreign.mcap";
+  recording::FileSink sink(path, recording::Existing::kReplace);
+  recording::McapWriter writer(sink);
+  recording::ChannelId joint{}, status{}, note{};
+  ASSERT_TRUE(writer.Open().ok());
+  ASSERT_TRUE(recording::AddTopic(testing::SchemaOf("joint_state"), &writer, &joint).ok());
+  ASSERT_TRUE(
+      writer.AddChannel(recording::SchemaId{}, "component_status", "json", {}, &status).ok());
+  ASSERT_TRUE(writer.AddChannel(recording::SchemaId{}, "note", "json", {}, &note).ok());
+  ASSERT_TRUE(writer.WriteMessage(joint, 1000, 0, testing::MakeMessage("joint_state", {})).ok());
+  ASSERT_TRUE(writer.WriteMessage(status, 2000, 0, recording::Bytes(2)).ok());
+  ASSERT_TRUE(writer.Close().ok() && sink.Close().ok());
+  const std::string expected =
+      path.string() +
+      ": left out: topic 'component_status' has messages 'json' with no schema, expected 'cdr' "
+      "with 'omgidl'; topic 'note' has messages 'json' with no schema, expected 'cdr' with "
+      "'omgidl'\n";
+  const std::string file = path.string(), out = (folder_.path() / "out").string();
+  for (const std::vector<std::string>& command :
+       std::vector<std::vector<std::string>>{{"list", file},
+                                             {"export", file, "--format", "csv", "--out", out},
+                                             {"graph", "--from", file, "--out", out + ".dot"}}) {
+    std::vector<std::string> words = {kSinew};
+    words.insert(words.end(), command.begin(), command.end());
+    const Finished run = testing::Run(words);
+    EXPECT_EQ(run.exit_code, 0) << command[0];
+    EXPECT_EQ(run.error, expected) << command[0];
+  }
+  // It has nothing to run again, which it says after the warning.
+  const Finished rerun = testing::Run({kSinew, "rerun", file});
+  EXPECT_EQ(rerun.exit_code, 2);
+  EXPECT_THAT(rerun.error, StartsWith(expected));
 }
 
 }  // namespace

@@ -444,6 +444,7 @@ TEST(RecordedView, LeavesOutATopicWhoseIdlIsNotUnderstood) {
     const auto ticks = file.AddWriter("joint_state", "sinew::msg::JointState");
     file.AddOther("choice", "union Other switch (long) { case 0: long a; };");
     file.AddOther("absent", "struct Another { long a; };");
+    file.AddOther("component_status", "@final struct Other { long a; };");
     file.Write(ticks, kReception_ns, {{"header", HeaderOf(7, 0, kFirstStart_ns)}});
   }
   const RecordedView view(path);

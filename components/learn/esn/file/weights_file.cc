@@ -262,23 +262,15 @@ std::string Layout(const Json& json) {
   return text + "\n}\n";
 }
 
-// The parser's message says "line 3" somewhere in the middle.
-std::string LineOf(const std::string& message) {
-  const std::size_t at = message.find("line ");
-  if (at == std::string::npos) return "";
-  const std::size_t end = message.find_first_not_of("0123456789", at + 5);
-  return ":" + message.substr(at + 5, end - at - 5);
-}
-
 }  // namespace
 
 Weights ParseWeights(const std::string& text, const std::string& name) {
   Json json;
   try {
-    json = Json::parse(text);
-  } catch (const Json::exception& error) {
-    throw UsageError(name + LineOf(error.what()) +
-                     ": no valid JSON, expected a weights file of schema " + std::string(kSchema));
+    json = types::ParseJson<Json>(text, name);
+  } catch (const std::invalid_argument& error) {
+    throw UsageError(error.what() + std::string(", expected a weights file of schema ") +
+                     std::string(kSchema));
   }
   return Read(json, name);
 }

@@ -9,6 +9,7 @@
 #include <set>
 
 #include "components/base/config/yaml_text.h"
+#include "components/base/types/json_text.h"
 
 namespace sinew::actuator {
 
@@ -363,11 +364,9 @@ struct RigJson {
   static RigJson Load(const std::filesystem::path& path) {
     const std::string text = config::ReadFile(path);
     try {
-      return {path.string(), nlohmann::json::parse(text)};
-    } catch (const nlohmann::json::parse_error& error) {
-      const auto end = static_cast<std::ptrdiff_t>(std::min(error.byte, text.size()));
-      const auto line = 1 + std::count(text.begin(), text.begin() + end, '\n');
-      throw UsageError(path.string() + ":" + std::to_string(line) + ": no valid JSON");
+      return {path.string(), types::ParseJson<nlohmann::json>(text, path.string())};
+    } catch (const std::invalid_argument& error) {
+      throw UsageError(error.what());
     }
   }
 

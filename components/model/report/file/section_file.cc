@@ -81,8 +81,13 @@ void WriteSection(const std::filesystem::path& folder, Section section) {
 Section ReadSection(const std::filesystem::path& folder) {
   const std::filesystem::path path = folder / "section.json";
   const std::string text = config::ReadFile(path, config::kLargestData);
+  Json json;
   try {
-    const Json json = Json::parse(text);
+    json = types::ParseJson<Json>(text, path.string());
+  } catch (const std::invalid_argument& problem) {
+    throw UsageError(problem.what());
+  }
+  try {
     if (json.at("schema") != kSchema) {
       throw UsageError(path.string() + ": key 'schema': expected " + kSchema);
     }

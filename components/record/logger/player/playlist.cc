@@ -164,6 +164,7 @@ Playlist::Playlist(const recording::McapReader& reader, const std::string& file,
       AddOnce(channel.topic, &left_out_);
       continue;
     }
+    if (!named && !IsReadable(reader, channel, &not_readable_)) continue;
     CheckType(file, channel, theirs, *ours);
     std::size_t index = 0;
     while (index < published_.size() && published_[index] != name) ++index;
@@ -180,7 +181,8 @@ Playlist::Playlist(const recording::McapReader& reader, const std::string& file,
 
   if (channels_.empty()) {
     throw std::invalid_argument(
-        file + ": no topic to play" +
+        (not_readable_.empty() ? file : recording::LeftOutText(file, not_readable_)) +
+        ": no topic to play" +
         (not_named_.empty() ? ""
                             : "; those in it command, and are played when --topics names them"));
   }
@@ -191,8 +193,19 @@ Playlist::Playlist(const recording::McapReader& reader, const std::string& file,
   };
   filter_.start_ns = offset(options.start_s);
   filter_.end_ns = offset(options.end_s);
-  // Once through, to know what there is: reading costs little beside sending.
-  recording::McapMessages messages = reader.Messages(filter_);
+  const std::int64_t last_ns = CountMessages();
+  if (options.start_s > 0.0) earlier_ = NewestBefore(filter_.start_ns);
+  if (message_count_ == 0 && earlier_.empty())
+    throw std::invalid_argument(file + ": no message between the start and end asked for");
+  duration_ns_ = last_ns - first_ns_;
+  message_count_ += earlier_.size();
+  messages_.emplace(reader.Messages(filter_));
+}
+
+Playlist::~Playlist() = default;
+
+std::int64_t Playlist::CountMessages() {
+  recording::McapMessages messages = reader_.Messages(filter_);
   McapMessage message;
   std::int64_t last_ns = 0;
   recording::TickOrder order;
@@ -208,15 +221,8 @@ Playlist::Playlist(const recording::McapReader& reader, const std::string& file,
                     static_cast<std::uint64_t>(channel.tick.AsInt(message.data)));
   }
   if (filter_.in_file_order) ReadPlaces(&last_ns);
-  if (options.start_s > 0.0) earlier_ = NewestBefore(filter_.start_ns);
-  if (message_count_ == 0 && earlier_.empty())
-    throw std::invalid_argument(file + ": no message between the start and end asked for");
-  duration_ns_ = last_ns - first_ns_;
-  message_count_ += earlier_.size();
-  messages_.emplace(reader.Messages(filter_));
+  return last_ns;
 }
-
-Playlist::~Playlist() = default;
 
 void Playlist::ReadPlaces(std::int64_t* last_ns) {
   recording::McapMessages messages = reader_.Messages(filter_);

@@ -22,6 +22,7 @@
 
 #include "components/record/recording/bytes.h"
 #include "components/record/recording/mcap_reader.h"
+#include "components/record/recording/message_type.h"
 #include "components/record/recording/run_import.h"
 
 namespace sinew::logger {
@@ -66,6 +67,8 @@ class Playlist {
   const std::vector<std::string>& published() const { return published_; }
   // Topics that this build has not.
   const std::vector<std::string>& left_out() const { return left_out_; }
+  // Topics whose messages cannot be read, whatever this build has of their names.
+  const recording::LeftOut& not_readable() const { return not_readable_; }
   // Topics of only_when_named that are in the file and were not named.
   const std::vector<std::string>& not_named() const { return not_named_; }
   std::uint64_t message_count() const { return message_count_; }
@@ -103,6 +106,8 @@ class Playlist {
     std::uint32_t sequence = 0;
     recording::Bytes data;
   };
+  // Once through, to know what there is: reading costs little beside sending. Gives the last time.
+  std::int64_t CountMessages();
   // The same once more where the clock was set back: first, last and last state in file order.
   void ReadPlaces(std::int64_t* last_ns);
   // Before a time of the recording, the oldest first.
@@ -123,6 +128,7 @@ class Playlist {
   std::vector<std::string> published_;
   std::vector<const Channel*> by_topic_;
   std::vector<std::string> left_out_, not_named_;
+  recording::LeftOut not_readable_;
   std::uint64_t message_count_ = 0;
   std::optional<Place> last_state_;
   std::uint64_t pass_ = 0;

@@ -6,6 +6,7 @@
 
 #include "components/base/config/config.h"
 #include "components/base/config/yaml_text.h"
+#include "components/base/types/json_text.h"
 #include "components/base/types/seconds.h"
 #include "components/bodies/links/file/urdf_file.h"
 #include "components/bodies/links/file/xml_text.h"
@@ -25,6 +26,7 @@ TEST(Formats, StateTheLimitsOfFiles) {
   expect_row("CSV tables, files of a bag, logs of a bus, meshes: bytes", config::kLargestData);
   expect_row("values of a YAML file, aliases replaced", config::kMostYamlNodes);
   expect_row("its levels, aliases replaced", config::kMostYamlLevels);
+  expect_row("levels of a JSON file", types::kDeepestJson);
   expect_row("elements of a URDF inside each other", arm::kMostXmlLevels);
   expect_row("links of a URDF", arm::kMostLinks);
   expect_row("bytes of a chunk of n compressed bytes", recording::MostUncompressed(0));

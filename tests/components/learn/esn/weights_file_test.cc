@@ -85,6 +85,9 @@ TEST(WeightsFile, NamesTheFileAndTheKeyOfEveryMistake) {
   EXPECT_EQ(Message(good), "accepted");
   EXPECT_EQ(Message("{\n\"schema\": \n"),
             "w.json:3: no valid JSON, expected a weights file of schema sinew-esn/1");
+  EXPECT_EQ(
+      Message(std::string(100000, '[')),
+      "w.json:1: JSON of more than 100 levels, expected a weights file of schema sinew-esn/1");
   EXPECT_EQ(Message("[1]"), "w.json: an array, expected a JSON object");
   EXPECT_EQ(Message(Replaced(good, "sinew-esn/1", "sinew-esn/2")),
             "w.json: key 'schema': 'sinew-esn/2', expected 'sinew-esn/1'");

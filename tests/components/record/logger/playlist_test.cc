@@ -363,6 +363,27 @@ TEST(Playlist, RefusesARecordingOfAnotherType) {
   EXPECT_EQ(ErrorOf(MakeRecording(other), without), "");
 }
 
+TEST(Playlist, LeavesOutAKnownNameWithMessagesThatNobodyReads) {
+  recording::MemorySink sink;
+  recording::McapWriter writer(sink);
+  recording::ChannelId joint{}, reference{};
+  ASSERT_TRUE(writer.Open().ok());
+  ASSERT_TRUE(recording::AddTopic(SchemaOf("joint_state"), &writer, &joint).ok());
+  ASSERT_TRUE(writer.AddChannel(recording::SchemaId{}, "reference", "json", {}, &reference).ok());
+  ASSERT_TRUE(writer.WriteMessage(joint, 1000, 0, MakeMessage("joint_state", {})).ok());
+  ASSERT_TRUE(writer.WriteMessage(reference, 2000, 0, Bytes(2)).ok());
+  ASSERT_TRUE(writer.Close().ok());
+  recording::MemorySource source(sink.bytes());
+  const recording::McapReader reader(source);
+  const Playlist playlist(reader, "run.mcap", Known(), {});
+  EXPECT_EQ(playlist.published(), std::vector<std::string>{"joint_state"});
+  EXPECT_EQ(recording::LeftOutText("run.mcap", playlist.not_readable()),
+            "run.mcap: left out: topic 'reference' has messages 'json' with no schema, expected "
+            "'cdr' with 'omgidl'");
+  EXPECT_THAT(ErrorOf(sink.bytes(), {.topics = {"reference"}}),
+              HasSubstr("topic 'reference' was recorded with another type (no schema"));
+}
+
 TEST(Playlist, AcceptsAnotherComment) {
   recording::TopicSchema other = SchemaOf("joint_state");
   other.idl = "// recorded yesterday\n" + other.idl;

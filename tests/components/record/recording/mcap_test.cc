@@ -449,8 +449,9 @@ TEST(McapReader, ReadsUnchunkedFilesWithoutASummary) {
 }
 
 // A file whose summary has other records, or none, as other writers leave them out.
+// loose: records before the end of the data.
 Bytes WithSummary(const Bytes& bytes, const std::function<bool(Opcode)>& keep, bool channels_first,
-                  bool has_summary = true) {
+                  bool has_summary = true, const Bytes& loose = {}) {
   MemorySource source(bytes);
   const McapRecords records(source);
   std::vector<McapRecord> data, summary;
@@ -471,7 +472,10 @@ Bytes WithSummary(const Bytes& bytes, const std::function<bool(Opcode)>& keep, b
       return record.opcode == Opcode::kChannel;
     });
   }
-  Bytes out(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(data.back().end()));
+  const auto data_end = bytes.begin() + static_cast<std::ptrdiff_t>(data.back().offset);
+  Bytes out(bytes.begin(), data_end);
+  out.insert(out.end(), loose.begin(), loose.end());
+  out.insert(out.end(), data_end, bytes.begin() + static_cast<std::ptrdiff_t>(data.back().end()));
   const std::uint64_t start = out.size();
   for (const McapRecord& record : summary) {
     out.insert(out.end(), bytes.begin() + static_cast<std::ptrdiff_t>(record.offset),
@@ -512,6 +516,27 @@ TEST(McapReader, ReadsWhateverASummaryLeavesOut) {
   expect_whole(WithSummary(
                    file.bytes, [](Opcode) { return false; }, false, false),
                "no summary");
+}
+
+// A summary has no index of them, and its statistics need not count them.
+TEST(McapReader, ReadsMessagesOutsideOfChunksBesideASummary) {
+  SampleFile file = MakeFile(57);
+  Bytes loose;
+  Put(&loose, static_cast<std::uint8_t>(Opcode::kMessage));
+  Put(&loose, std::uint64_t{22 + 5});
+  Put(&loose, std::uint16_t{1});  // channel
+  Put(&loose, std::uint32_t{0});
+  Put(&loose, std::uint64_t{2'000'000'000});
+  Put(&loose, std::uint64_t{0});
+  PutRaw(&loose, "loose");
+  const Bytes bytes = WithSummary(
+      file.bytes, [](Opcode) { return true; }, false, true, loose);
+  MemorySource source(bytes);
+  const McapReader reader(source);
+  file.messages.push_back({"first", 2'000'000'000, "loose"});
+  EXPECT_EQ(ReadAll(reader), file.messages);
+  EXPECT_EQ(reader.statistics().message_count, 58u);
+  EXPECT_EQ(reader.ReadAttachments().size(), 1u);
 }
 
 TEST(McapReader, RefusesAChunkThatDeclaresMoreThanItHolds) {

@@ -29,6 +29,20 @@ TEST(SessionClock, GoesOnByTheStepBeforeWhenItIsSetBack) {
   EXPECT_EQ(clock.ShiftOf(5), 1050);
 }
 
+TEST(SessionTimes, FollowOneAnotherAndGoOnWhereTheClockWasSetBack) {
+  const SessionTimes times(
+      {{7, 0, 100}, {7, 1, 110}, {7, 3, 60}, {7, 2, 50}, {3, 0, 0}, {3, 1, 10}, {4, 0, 500}});
+  EXPECT_EQ(times.sessions(), (std::vector<std::uint64_t>{7, 3, 4}));
+  EXPECT_EQ(times.ShiftOf(7, 1), 0);
+  EXPECT_EQ(50 + times.ShiftOf(7, 2), 120);
+  EXPECT_EQ(60 + times.ShiftOf(7, 3), 130);
+  EXPECT_EQ(0 + times.ShiftOf(3, 0), 130);
+  EXPECT_EQ(times.ShiftOf(4, 0), 0);  // later anyway
+  EXPECT_EQ(times.ShiftOf(5, 0), 0);  // not there
+  EXPECT_EQ(times.start_ns(), 100);
+  EXPECT_EQ(times.end_ns(), 500);
+}
+
 TEST(TickOrder, TicksOfASessionGrow) {
   TickOrder order;
   EXPECT_TRUE(order.Take(1, 5));

@@ -572,9 +572,12 @@ PlayResult Play(node::Node& node, const node::StopFlag& stop, const PlayOptions&
                    reader.recovery()->reason);
     }
     Playlist playlist(reader, options.path.string(), KnownTopics(), list);
+    recording::LeftOut left_out = playlist.not_readable();
     for (const std::string& topic : playlist.left_out()) {
-      spdlog::warn("{}: topic '{}' is not known to this build and not played",
-                   options.path.string(), topic);
+      left_out.emplace(topic, "topic '" + topic + "' is not known to this build");
+    }
+    if (!left_out.empty()) {
+      spdlog::warn("{}", recording::LeftOutText(options.path.string(), left_out));
     }
     for (const std::string& topic : playlist.not_named()) {
       spdlog::info("topic '{}' commands and is not played: name it with --topics to play it",
