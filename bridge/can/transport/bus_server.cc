@@ -3,12 +3,10 @@
 #include <poll.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
-#include <sys/un.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
-#include <cstdlib>
 #include <cstring>
 #include <vector>
 
@@ -16,6 +14,7 @@
 #include "bridge/can/transport/transport.h"
 #include "bridge/can/transport/virtual_can.h"
 #include "components/base/config/config.h"
+#include "components/base/config/unix_socket.h"
 #include "components/base/types/clock/clock.h"
 
 namespace sinew::can {
@@ -25,14 +24,9 @@ constexpr int kClientBuffer_bytes = 512 * 1024;
 constexpr std::size_t kMostClients = 64;
 
 sockaddr_un AddressOf(const std::string& path) {
-  sockaddr_un address{};
-  if (path.size() >= sizeof address.sun_path) {
-    throw UsageError("bus socket '" + path + "': the path is longer than " +
-                     std::to_string(sizeof address.sun_path - 1) + " characters");
-  }
-  address.sun_family = AF_UNIX;
-  std::memcpy(address.sun_path, path.c_str(), path.size() + 1);
-  return address;
+  if (const auto address = config::SocketAddress(path)) return *address;
+  throw UsageError("bus socket '" + path + "': the path is longer than " +
+                   std::to_string(sizeof(sockaddr_un::sun_path) - 1) + " characters");
 }
 
 bool SomebodyListens(const sockaddr_un& address) {
@@ -47,15 +41,11 @@ bool SomebodyListens(const sockaddr_un& address) {
 
 std::string BusSocketPath(const std::string& bus) {
   if (bus.find('/') != std::string::npos) return bus;
-  const char* runtime = std::getenv("XDG_RUNTIME_DIR");
-  if (runtime != nullptr && runtime[0] == '/' && ::access(runtime, W_OK) == 0) {
-    return std::string(runtime) + "/sinew-can-" + bus + ".sock";
-  }
-  return "/tmp/sinew-can-" + std::to_string(::getuid()) + "-" + bus + ".sock";
+  return config::PrivateSocket("sinew-can-" + bus + ".sock").string();
 }
 
 BusServer::BusServer(const std::string& bus, const BusConfig& config)
-    : path_(BusSocketPath(bus)), model_(config) {
+    : path_(BusSocketPath(bus)), folder_(config::FolderOf(path_)), model_(config) {
   const sockaddr_un address = AddressOf(path_);
   listener_ = ::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
   if (listener_ < 0)
@@ -114,7 +104,7 @@ void BusServer::RunOnce(std::chrono::nanoseconds timeout) {
 void BusServer::Accept() {
   const int socket = ::accept4(listener_, nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC);
   if (socket < 0) return;
-  if (clients_.size() >= kMostClients) {
+  if (clients_.size() >= kMostClients || !folder_.Admits(config::PeerOf(socket).uid)) {
     ::close(socket);
     return;
   }

@@ -2,18 +2,17 @@
 
 #include <poll.h>
 #include <sys/socket.h>
-#include <sys/un.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <array>
 #include <cerrno>
-#include <cstring>
 
 #include "bridge/can/bit_timing.h"
 #include "bridge/can/bus_model.h"
 #include "bridge/can/transport/bus_protocol.h"
 #include "components/base/config/config.h"
+#include "components/base/config/unix_socket.h"
 
 namespace sinew::can {
 namespace {
@@ -23,12 +22,13 @@ constexpr std::int64_t kTryEvery_ns = 50'000'000;
 }  // namespace
 
 VirtualCan::VirtualCan(const VirtualCanOptions& options)
-    : options_(options), path_(BusSocketPath(options.bus)) {
+    : options_(options), path_(BusSocketPath(options.bus)), folder_(config::FolderOf(path_)) {
   const std::int64_t give_up_ns =
       types::MonotonicNow_ns() + std::chrono::nanoseconds(options.connect_timeout).count();
   while (!Connect() || !AwaitWelcome(give_up_ns)) {
     if (types::MonotonicNow_ns() >= give_up_ns) {
-      throw UsageError("bus '" + options.bus + "': nobody listens on " + path_ +
+      const std::string who = stranger_ ? "user " + std::to_string(*stranger_) : "nobody";
+      throw UsageError("bus '" + options.bus + "': " + who + " listens on " + path_ +
                        "; 'sinew-can-bus --bus " + options.bus + "' starts it");
     }
     const timespec wait{0, kTryEvery_ns};
@@ -39,13 +39,16 @@ VirtualCan::VirtualCan(const VirtualCanOptions& options)
 VirtualCan::~VirtualCan() { Close(); }
 
 bool VirtualCan::Connect() noexcept {
-  sockaddr_un address{};
-  if (path_.size() >= sizeof address.sun_path) return false;
-  address.sun_family = AF_UNIX;
-  std::memcpy(address.sun_path, path_.c_str(), path_.size() + 1);
+  const auto address = config::SocketAddress(path_);
+  if (!address) return false;
   socket_ = ::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
   if (socket_ < 0) return false;
-  if (::connect(socket_, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0) {
+  if (::connect(socket_, reinterpret_cast<const sockaddr*>(&*address), sizeof *address) != 0) {
+    Close();
+    return false;
+  }
+  if (const uid_t user = config::PeerOf(socket_).uid; !folder_.Admits(user)) {
+    stranger_ = user;
     Close();
     return false;
   }

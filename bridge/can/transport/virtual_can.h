@@ -4,17 +4,19 @@
 // while, afterwards the link is down until it is back.
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "bridge/can/transport/transport.h"
+#include "components/base/config/socket_folder.h"
 #include "components/base/types/clock/clock.h"
 
 namespace sinew::can {
 
 struct Packet;
 
-// A name without '/' means a socket in XDG_RUNTIME_DIR, or in /tmp with the user's number in its
-// name.
+// A name without '/' means config::PrivateSocket. A bus counts only where SocketFolder::Admits its
+// user.
 std::string BusSocketPath(const std::string& bus);
 
 struct VirtualCanOptions {
@@ -54,6 +56,8 @@ class VirtualCan : public Transport {
 
   VirtualCanOptions options_;
   std::string path_;
+  config::SocketFolder folder_;
+  std::optional<uid_t> stranger_;  // another user, who listens there
   int socket_ = -1;
   Link link_ = Link::kDown;
   TransportCounters counters_;
