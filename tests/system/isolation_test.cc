@@ -5,6 +5,7 @@
 
 #include <csignal>
 #include <filesystem>
+#include <fstream>
 #include <string>
 #include <vector>
 
@@ -76,6 +77,16 @@ TEST(Isolation, ItsUsersProgramsEnterByThemselvesAndNobodyElseHearsIt) {
   EXPECT_THAT(launch.output(), Not(HasSubstr("eth"))) << "a foreign program is inside as well";
   const Finished armed = In(Shell({"arm", "--domain", "167"}));
   EXPECT_EQ(armed.exit_code, 0) << armed.error << launch.error();
+  EXPECT_THAT(In(Shell({"doctor", "--domain", "167", "--wait", "1.2", "--recordings", "/"})).output,
+              HasSubstr("in the network of deployment 'isolated' its user and root, and nobody"));
+
+  // Files of shared memory are apart as well.
+  const fs::path outside_file = "/dev/shm/sinew-isolation-" + std::to_string(::getpid());
+  std::ofstream(outside_file) << "of the host";
+  const Finished shared = In(Shell({"enter", "isolated", "stat", "-f", "-c", "%T", "/dev/shm"}));
+  EXPECT_EQ(shared.output, "tmpfs\n") << shared.error;
+  EXPECT_NE(In(Shell({"enter", "isolated", "stat", outside_file.string()})).exit_code, 0);
+  EXPECT_TRUE(fs::remove(outside_file));
 
   // The host's own network, and another user of the host.
   const Finished outside =

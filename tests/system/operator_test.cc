@@ -3,6 +3,9 @@
 #include <signal.h>
 #include <sinew_idl/joint.h>
 #include <sinew_idl/operator.h>
+#include <sinew_idl/status.h>
+
+#include <optional>
 
 #include "components/topics/node/node.h"
 #include "tests/support/edited_config.h"
@@ -52,7 +55,8 @@ struct Rig {
         control(
             {kBin + "/sinew-control", "--config", kRig + "control_pid.yaml", "--domain", domain}),
         observer(Observer(number)),
-        state(observer.MakeReader(node::kJointState)) {}
+        state(observer.MakeReader(node::kJointState)),
+        statuses(observer.MakeReader(node::kComponentStatus)) {}
 
   int Command(const std::string& word) {
     return Run({kBin + "/sinew", word, "--domain", domain}).exit_code;
@@ -63,6 +67,7 @@ struct Rig {
   Program surrogate, reference, control;
   node::Node observer;
   node::Reader<msg::JointState> state;
+  node::Reader<msg::ComponentStatus> statuses;
 };
 
 TEST(Operator, ArmsMovesAndStopsTheRobot) {
@@ -89,11 +94,29 @@ TEST(Operator, AKilledControllerIsBridgedAndThenAFault) {
   }));
   rig.control.Signal(SIGKILL);
   bool damped = false;
-  ASSERT_TRUE(WaitForState(rig.state, [&damped](const msg::JointState& s) {
+  msg::Fault fault;
+  ASSERT_TRUE(WaitForState(rig.state, [&](const msg::JointState& s) {
     damped = damped || s.robot_state == msg::RobotState::kDamped;
+    fault = s.fault;
     return s.robot_state == msg::RobotState::kFault;
   }));
   EXPECT_TRUE(damped) << "the gap was not bridged";
+  EXPECT_EQ(fault.cause, msg::FaultCause::kCommandMissing);
+  EXPECT_EQ(fault.limit, 3000.0);
+  EXPECT_GT(fault.value, fault.limit);
+  // The same in the status and in the log, in words.
+  std::optional<msg::ComponentStatus> told;
+  const auto limit = std::chrono::steady_clock::now() + 10s;
+  while (std::chrono::steady_clock::now() < limit) {
+    told = rig.statuses.WaitNext(1000ms);
+    if (told && told->name == "surrogate" && told->state == msg::ComponentState::kFault) break;
+  }
+  ASSERT_TRUE(told);
+  EXPECT_EQ(told->fault, fault) << told->message;
+  EXPECT_NE(told->message.find("joint_command missing for "), std::string::npos) << told->message;
+  EXPECT_TRUE(rig.surrogate.WaitForText("fault: joint_command missing for ", 5s))
+      << rig.surrogate.error();
+  EXPECT_TRUE(rig.surrogate.WaitForText(" ms, limit 3000 ms: ", 1s)) << rig.surrogate.error();
   EXPECT_NE(rig.Command("arm"), 0) << "a fault ends only by reset";
 }
 

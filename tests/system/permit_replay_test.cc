@@ -113,6 +113,7 @@ class LiveRobot : public ::testing::Test {
                                 "{gear_ratio: 1}, replay_takeover_s: 1}]\n")}),
         observer_(PermitNode("observer")),
         states_(observer_.MakeReader(node::kJointState)),
+        commands_(observer_.MakeReader(node::kJointCommand)),
         provider_([this] {
           // A guard that bears the pauses of a busy machine.
           provider::GuardConfig guard;
@@ -155,6 +156,7 @@ class LiveRobot : public ::testing::Test {
   Program control_;
   node::Node observer_;
   node::Reader<msg::JointState> states_;
+  node::Reader<msg::JointCommand> commands_;
   msg::RobotState robot_ = msg::RobotState::kFault;
   double position_rad_ = 0.0;
   std::thread provider_;
@@ -162,7 +164,7 @@ class LiveRobot : public ::testing::Test {
 
 TEST_F(LiveRobot, ARecordingMovesItOnlyWithPermissionAndWithoutAStep) {
   Player player;
-  ASSERT_TRUE(Cycles(10));
+  ASSERT_TRUE(Cycles(10) && commands_.WaitNext(20s)) << "nobody answers";
   const Finished early = Command({"permit-replay", "player"}, "1");
   EXPECT_EQ(early.exit_code, 1) << "it is not armed";
   ASSERT_EQ(Command({"arm"}).exit_code, 0) << control_.error();
@@ -211,7 +213,7 @@ TEST_F(LiveRobot, ARecordingMovesItOnlyWithPermissionAndWithoutAStep) {
 }
 
 TEST_F(LiveRobot, AnotherReferenceEndsThePermission) {
-  ASSERT_TRUE(Cycles(10));
+  ASSERT_TRUE(Cycles(10) && commands_.WaitNext(20s)) << "nobody answers";
   ASSERT_EQ(Command({"arm"}).exit_code, 0) << control_.error();
   {
     Player player;

@@ -86,9 +86,20 @@ class SecureRobot {
     const Finished add = Sinew({"security", "add", role, name, "elsewhere"}, words);
     EXPECT_EQ(add.exit_code, 0) << add.error;
   }
-  // The last state that an observer hears.
-  std::string State() const {
-    std::vector<std::string> more = As("observer");
+  // What the doctor says, once it has heard the robot: the handshake takes as long as the machine
+  // lets it.
+  Finished Doctor(const std::string& name) const {
+    const auto end = std::chrono::steady_clock::now() + kLimit;
+    Finished doctor;
+    do {
+      doctor = Sinew({"doctor", "--domain", "165", "--recordings", "/", "--wait", "1.2"}, As(name));
+    } while (doctor.output.find("participants: 1") == std::string::npos &&
+             std::chrono::steady_clock::now() < end);
+    return doctor;
+  }
+  // The last state that somebody hears.
+  std::string State(const std::string& name = "observer") const {
+    std::vector<std::string> more = As(name);
     more.insert(more.end(), {"--domain", "165", "--count", "1", "--field", "robot_state"});
     return Sinew({"echo", "joint_state"}, more).output;
   }
@@ -139,13 +150,7 @@ TEST(Security, AnObserverSeesAllAndCommandsNothing) {
   const Finished record = look({"record", "--out", recording}, {"--duration", "2"});
   EXPECT_EQ(record.exit_code, 0) << record.error;
   EXPECT_THAT(Sinew({"list", recording}, {}).output, HasSubstr("joint_state"));
-  // The handshake takes as long as the machine lets it.
-  Finished doctor;
-  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(30);
-  do {
-    doctor = look({"doctor"}, {"--recordings", "/", "--wait", "1.2"});
-  } while (doctor.output.find("participants: 1") == std::string::npos &&
-           std::chrono::steady_clock::now() < end);
+  const Finished doctor = robot.Doctor("observer");
   EXPECT_THAT(doctor.output, HasSubstr("participants: 1"));
   EXPECT_THAT(doctor.output, HasSubstr("whoever lacks it is not heard"));
   EXPECT_EQ(doctor.exit_code, 0) << doctor.output;
@@ -180,6 +185,10 @@ TEST(Security, WhoMayOnlySubscribeStillReads) {
   const Finished list = Sinew({"list", "--domain", "165"}, robot.As("mute"));
   EXPECT_EQ(list.exit_code, 0) << list.error;
   EXPECT_THAT(list.output, HasSubstr("surrogate    active"));
+  EXPECT_THAT(robot.State("mute"), HasSubstr("DISARMED"));
+  const Finished doctor = robot.Doctor("mute");
+  EXPECT_THAT(doctor.output, HasSubstr("participants: 1"));
+  EXPECT_THAT(doctor.output, HasSubstr("whoever lacks it is not heard"));
   EXPECT_EQ(Operate("arm", robot.As("mute")).exit_code, 1);
 }
 

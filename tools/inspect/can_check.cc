@@ -117,4 +117,13 @@ std::vector<Finding> CheckCan(const std::string& ip_json, const CanSettings& set
   return findings;
 }
 
+std::vector<std::string> WireGuardIn(const std::string& ip_json) {
+  std::vector<std::string> names;
+  for (const CanJson& link : CanJson::parse(ip_json, nullptr, false)) {
+    if (At(link, {"linkinfo", "info_kind"}) != "wireguard") continue;
+    if (const CanJson& name = At(link, {"ifname"}); name.is_string()) names.push_back(name);
+  }
+  return names;
+}
+
 }  // namespace sinew::inspect

@@ -1,5 +1,5 @@
-// State of the CAN interfaces, from what `ip -json -details -statistics link show` prints
-// (iproute2). Pure.
+// State of the CAN interfaces, and which interfaces are tunnels, from what `ip -json -details
+// -statistics link show` prints (iproute2). Pure.
 #pragma once
 
 #include <string>
@@ -18,5 +18,9 @@ struct CanSettings {
 // A finding for each CAN interface (vcan too), or a note that there is none. Throws
 // std::invalid_argument when the text is not what ip prints.
 std::vector<Finding> CheckCan(const std::string& ip_json, const CanSettings& settings);
+
+// Names of the interfaces that are WireGuard tunnels, of the same text; none, where it is another.
+// The network of this process counts, unlike in /sys, which shows that of whoever mounted it.
+std::vector<std::string> WireGuardIn(const std::string& ip_json);
 
 }  // namespace sinew::inspect

@@ -98,18 +98,35 @@ Finding CheckOpenness(const Openness& own, const std::vector<node::Endpoint>& en
     return {"network", Severity::kOk,
             "with a key or DDS security: whoever lacks it is not heard and hears nothing", ""};
   }
-  std::set<std::string> open;
+  std::set<std::string> open, tunnelled;
+  const auto add = [&](const std::string& text, auto is_of) {
+    const bool in_tunnel = std::any_of(own.tunnels.begin(), own.tunnels.end(), is_of);
+    (in_tunnel ? tunnelled : open).insert(text);
+  };
   for (const node::Endpoint& endpoint : endpoints) {
     for (const std::string& address : endpoint.addresses) {
-      open.insert("'" + endpoint.participant + "' on " + address);
+      add("'" + endpoint.participant + "' on " + address, [&address](const auto& tunnel) {
+        return node::internal::IsOfNetwork(tunnel, node::internal::NumberOf(address));
+      });
     }
   }
   for (const std::string& interface : own.interfaces) {
-    if (interface != "lo") open.insert("programs of this shell on " + interface);
+    if (interface == "lo") continue;
+    add("programs of this shell on " + interface,
+        [&interface](const auto& tunnel) { return tunnel.interface == interface; });
   }
   if (open.empty()) {
+    const std::string here = own.isolated.empty() ? "every user of this host"
+                                                  : "in the network of deployment '" +
+                                                        own.isolated + "' its user and root";
+    if (tunnelled.empty()) {
+      return {"network", Severity::kOk,
+              "loopback alone: " + here + ", and nobody else, can command the robot", ""};
+    }
     return {"network", Severity::kOk,
-            "loopback alone: every user of this host, and nobody else, can command the robot", ""};
+            "through WireGuard: " + types::Joined({tunnelled.begin(), tunnelled.end()}) +
+                "; whoever has a key of the tunnel, and " + here + ", can command the robot",
+            ""};
   }
   return {"network", Severity::kWarning,
           "open without a key or DDS security: " + types::Joined(open) +

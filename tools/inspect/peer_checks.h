@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "components/topics/node/endpoint.h"
+#include "components/topics/node/interfaces.h"
 #include "tools/inspect/findings.h"
 
 namespace sinew::inspect {
@@ -26,6 +27,9 @@ std::vector<Finding> CheckPeers(const std::vector<node::Endpoint>& endpoints,
 struct Openness {
   std::vector<std::string> interfaces;  // of this process, beside loopback
   bool has_keys = false;                // so have all whom it hears
+  // Addresses of this host in WireGuard tunnels: nobody without a key of the tunnel reaches them.
+  std::vector<node::internal::InterfaceAddress> tunnels = {};
+  std::string isolated = "";  // deployment in whose own network this process is
 };
 Finding CheckOpenness(const Openness& own, const std::vector<node::Endpoint>& endpoints);
 

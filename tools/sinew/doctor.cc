@@ -20,6 +20,7 @@
 #include "components/topics/node/codec.h"
 #include "components/topics/node/endpoint.h"
 #include "components/topics/node/host_name.h"
+#include "components/topics/node/interfaces.h"
 #include "components/topics/node/node.h"
 #include "components/topics/node/realtime.h"
 #include "components/topics/node/time_option.h"
@@ -65,9 +66,8 @@ int HighestPriority() {
   return highest;
 }
 
-std::vector<Finding> CheckCanInterfaces(const inspect::CanSettings& settings) {
-  const inspect::ToolResult ip =
-      inspect::RunTool("ip", {"-json", "-details", "-statistics", "link", "show"});
+std::vector<Finding> CheckCanInterfaces(const inspect::ToolResult& ip,
+                                        const inspect::CanSettings& settings) {
   if (!ip.found) {
     return {{"can", Severity::kNote, "the program 'ip' was not found", "apt-get install iproute2"}};
   }
@@ -175,8 +175,20 @@ class Heard {
   std::map<node::WriterId, Cycles> cycles_;
 };
 
+inspect::Openness OpennessOf(const DoctorOptions& options, bool has_security,
+                             const std::string& ip_json) {
+  const std::vector<std::string> tunnels = inspect::WireGuardIn(ip_json);
+  std::vector<node::internal::InterfaceAddress> addresses = node::internal::RunningInterfaces();
+  std::erase_if(addresses, [&tunnels](const auto& entry) {
+    return std::find(tunnels.begin(), tunnels.end(), entry.interface) == tunnels.end();
+  });
+  const auto holder = isolation::Inside();
+  return {options.node.interfaces, has_security || !options.node.key_path.empty(), addresses,
+          holder ? holder->deployment : ""};
+}
+
 // Listens in the domain.
-std::vector<Finding> CheckDomain(const DoctorOptions& options) {
+std::vector<Finding> CheckDomain(const DoctorOptions& options, const std::string& ip_json) {
   const auto heard = std::make_shared<Heard>();
   node::Node node(options.node);
   node.ReadRaw(*node::FindTopic(node::kComponentStatus.name),
@@ -189,8 +201,8 @@ std::vector<Finding> CheckDomain(const DoctorOptions& options) {
   const auto end = DoctorClock::now() + std::chrono::duration<double>(options.wait_s);
   while (DoctorClock::now() < end) node.WaitForData(std::chrono::milliseconds(50));
   const std::vector<node::Endpoint> endpoints = node.Endpoints();
-  std::vector<Finding> findings = {inspect::CheckOpenness(
-      {options.node.interfaces, node.has_security() || !options.node.key_path.empty()}, endpoints)};
+  std::vector<Finding> findings = {
+      inspect::CheckOpenness(OpennessOf(options, node.has_security(), ip_json), endpoints)};
   if (endpoints.empty()) {
     findings.push_back({"participants", Severity::kNote,
                         "none in domain " + std::to_string(options.node.domain_id) +
@@ -221,8 +233,10 @@ std::vector<Finding> Examine(const DoctorOptions& options) {
   findings.push_back(inspect::CheckCpuGovernor(options.root));
   findings.push_back(inspect::CheckDiskSpace(inspect::ReadDiskSpace(options.recordings),
                                              options.recording_bytes_s));
-  Append(&findings, CheckCanInterfaces(options.can));
-  if (!options.offline) Append(&findings, CheckDomain(options));
+  const inspect::ToolResult ip =
+      inspect::RunTool("ip", {"-json", "-details", "-statistics", "link", "show"});
+  Append(&findings, CheckCanInterfaces(ip, options.can));
+  if (!options.offline) Append(&findings, CheckDomain(options, ip.output));
   return findings;
 }
 

@@ -7,7 +7,6 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <cstdlib>
 #include <cstring>
 #include <stdexcept>
 #include <vector>
@@ -28,7 +27,7 @@ constexpr std::size_t kMostClients = 64;
 sockaddr_un AddressOf(const std::string& path) {
   if (const auto address = config::SocketAddress(path)) return *address;
   throw UsageError("bus socket '" + path + "': the path is longer than " +
-                   std::to_string(sizeof sockaddr_un::sun_path - 1) + " characters");
+                   std::to_string(sizeof(sockaddr_un::sun_path) - 1) + " characters");
 }
 
 bool SomebodyListens(const sockaddr_un& address) {
@@ -40,15 +39,11 @@ bool SomebodyListens(const sockaddr_un& address) {
 
 std::string BusSocketPath(const std::string& bus) {
   if (bus.find('/') != std::string::npos) return bus;
-  const char* runtime = std::getenv("XDG_RUNTIME_DIR");
-  if (runtime != nullptr && runtime[0] == '/' && ::access(runtime, W_OK) == 0) {
-    return std::string(runtime) + "/sinew-can-" + bus + ".sock";
-  }
-  return "/tmp/sinew-can-" + std::to_string(::getuid()) + "-" + bus + ".sock";
+  return config::PrivateSocket("sinew-can-" + bus + ".sock").string();
 }
 
 BusServer::BusServer(const std::string& bus, const BusConfig& config)
-    : path_(BusSocketPath(bus)), model_(config) {
+    : path_(BusSocketPath(bus)), folder_(config::FolderOf(path_)), model_(config) {
   const sockaddr_un address = AddressOf(path_);
   listener_ =
       config::Descriptor(::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
@@ -106,7 +101,7 @@ void BusServer::RunOnce(std::chrono::nanoseconds timeout) {
 void BusServer::Accept() {
   const int socket = ::accept4(listener_.get(), nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC);
   if (socket < 0) return;
-  if (clients_.size() >= kMostClients) {
+  if (clients_.size() >= kMostClients || !folder_.Admits(config::PeerOf(socket).uid)) {
     ::close(socket);
     return;
   }

@@ -13,12 +13,14 @@
 
 #include "bridge/can/bus_model.h"
 #include "components/base/config/descriptor.h"
+#include "components/base/config/socket_folder.h"
 
 namespace sinew::can {
 
 class BusServer {
  public:
-  // Listens on BusSocketPath(bus). Throws UsageError when the path cannot be used or a server
+  // Listens on BusSocketPath(bus); a process of a user whom SocketFolder::Admits not is no node.
+  // Throws UsageError when the path cannot be used or a server
   // already lives there; what a killed one left behind is removed.
   BusServer(const std::string& bus, const BusConfig& config);
   ~BusServer();
@@ -49,6 +51,7 @@ class BusServer {
   void SendTo(int socket, const void* data, std::size_t size);
 
   std::string path_;
+  config::SocketFolder folder_;
   config::Descriptor listener_;
   BusModel model_;
   std::map<int, Client> clients_;  // by socket

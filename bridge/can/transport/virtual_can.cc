@@ -21,12 +21,16 @@ constexpr std::chrono::milliseconds kTryEvery(50);
 }  // namespace
 
 VirtualCan::VirtualCan(const VirtualCanOptions& options)
-    : SocketTransport(kTryEvery), options_(options), path_(BusSocketPath(options.bus)) {
+    : SocketTransport(kTryEvery),
+      options_(options),
+      path_(BusSocketPath(options.bus)),
+      folder_(config::FolderOf(path_)) {
   const std::int64_t give_up_ns =
       types::MonotonicNow_ns() + std::chrono::nanoseconds(options.connect_timeout).count();
   while (!Connect() || !AwaitWelcome(give_up_ns)) {
     if (types::MonotonicNow_ns() >= give_up_ns) {
-      throw UsageError("bus '" + options.bus + "': nobody listens on " + path_ +
+      const std::string who = stranger_ ? "user " + std::to_string(*stranger_) : "nobody";
+      throw UsageError("bus '" + options.bus + "': " + who + " listens on " + path_ +
                        "; 'sinew-can-bus --bus " + options.bus + "' starts it");
     }
     const timespec wait{0, open_every_.count()};
@@ -40,6 +44,11 @@ bool VirtualCan::Connect() noexcept {
   socket_ = ::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
   if (socket_ < 0) return false;
   if (::connect(socket_, reinterpret_cast<const sockaddr*>(&*address), sizeof *address) != 0) {
+    Close();
+    return false;
+  }
+  if (const uid_t user = config::PeerOf(socket_).uid; !folder_.Admits(user)) {
+    stranger_ = user;
     Close();
     return false;
   }

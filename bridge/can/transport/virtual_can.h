@@ -4,16 +4,18 @@
 // while, afterwards the link is down until it is back.
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "bridge/can/transport/transport.h"
+#include "components/base/config/socket_folder.h"
 
 namespace sinew::can {
 
 struct Packet;
 
-// A name without '/' means a socket in XDG_RUNTIME_DIR, or in /tmp with the user's number in its
-// name.
+// A name without '/' means config::PrivateSocket. A bus counts only where SocketFolder::Admits its
+// user.
 std::string BusSocketPath(const std::string& bus);
 
 struct VirtualCanOptions {
@@ -44,6 +46,8 @@ class VirtualCan : public SocketTransport {
 
   VirtualCanOptions options_;
   std::string path_;
+  config::SocketFolder folder_;
+  std::optional<uid_t> stranger_;  // another user, who listens there
   double bitrate_bit_s_ = 0.0;
 };
 

@@ -1,15 +1,11 @@
 #include "components/robot/estop/socket_folder.h"
 
-#include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
 
 #include "components/base/config/config.h"
-#include "components/base/config/descriptor.h"
 #include "components/base/config/unix_socket.h"
 
 namespace sinew::estop {
@@ -28,24 +24,6 @@ std::vector<fs::path> Folders() {
 }
 
 }  // namespace
-
-bool SocketFolder::Admits(uid_t user) const {
-  return user == 0 || user == ::geteuid() || user == owner;
-}
-
-SocketFolder FolderOf(const fs::path& socket) {
-  std::error_code ignored;  // no working folder: none that can be opened
-  const std::string folder = fs::absolute(socket, ignored).parent_path().string();
-  const config::Descriptor opened(
-      ::open(folder.c_str(), O_PATH | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC));
-  struct stat info {};
-  if (opened.get() < 0 || ::fstat(opened.get(), &info) != 0) {
-    return {.problem = "its folder cannot be opened: " + std::string(std::strerror(errno))};
-  }
-  if ((info.st_mode & (S_IWGRP | S_IWOTH)) == 0) return {.owner = info.st_uid, .problem = ""};
-  return {.owner = info.st_uid,
-          .problem = "others may write to its folder, expected one of mode 0755 at most"};
-}
 
 std::string RefusalToListen(const SocketFolder& folder, const fs::path& socket) {
   if (!folder.problem.empty()) return folder.problem;

@@ -9,24 +9,17 @@
 // Not for loops: reads the file system and allocates.
 #pragma once
 
-#include <sys/types.h>
-
 #include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "components/base/config/socket_folder.h"
+
 namespace sinew::estop {
 
-// The folder of a socket.
-struct SocketFolder {
-  uid_t owner = 0;
-  std::string problem;  // empty: a folder to which nobody but its owner and root can write
-
-  // A user who may open a socket there, or answer: root, this process' user, the folder's owner.
-  bool Admits(uid_t user) const;
-};
-SocketFolder FolderOf(const std::filesystem::path& socket);
+using config::FolderOf;
+using config::SocketFolder;
 
 // Why a state provider of this process may not open its socket in that folder; empty: it may.
 // Beside /run/sinew, whose owner is root's choice, it belongs to root or this user.

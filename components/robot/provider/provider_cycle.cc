@@ -50,6 +50,18 @@ ProviderCycle::ProviderCycle(const CycleConfig& config) : config_(config), guard
   }
 }
 
+bool ProviderCycle::AnsweredForArming(std::uint64_t tick) const {
+  if (!config_.arm_needs_answers) return true;
+  const std::int64_t old = static_cast<std::int64_t>(tick - joint_answers_);  // -1: of this tick
+  return joint_answers_ > 0 && old * period_ <= config_.guard.fault_after;
+}
+
+bool ProviderCycle::ArmAtStart(std::uint64_t tick) {
+  if (!config_.plant_may_be_armed) return false;
+  if (!AnsweredForArming(tick) || CommandFault().active()) return false;
+  return guard_.Arm(config_.session_id, tick);
+}
+
 OperatorResult ProviderCycle::Take(const OperatorCommand& command, std::uint64_t tick) {
   if (command.action == OperatorAction::kArm || command.action == OperatorAction::kReset) {
     switch (types::RefusalOf(types::KindOf(command.action),
@@ -68,6 +80,9 @@ OperatorResult ProviderCycle::Take(const OperatorCommand& command, std::uint64_t
       if (!config_.plant_may_be_armed) return OperatorResult::kRefusedByPlant;
       if (CommandFault().cause != FaultCause::kNone) return OperatorResult::kRefusedByCommand;
       if (!estops_watched_) return OperatorResult::kRefusedByEstop;
+      if (state() == RobotState::kDisarmed && !AnsweredForArming(tick)) {
+        return OperatorResult::kRefusedUnanswered;
+      }
       if (fall_ && state() == RobotState::kDisarmed && !fall_->upright()) {
         return OperatorResult::kRefusedByFallGuard;
       }

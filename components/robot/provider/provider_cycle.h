@@ -81,6 +81,7 @@ enum class OperatorResult {
   kRefusedByFallGuard,   // arm: ProviderCycle::FallRefusal says why
   kRefusedByCommand,     // arm: ProviderCycle::CommandFault says why
   kRefusedByEstop,       // arm: an estop that the robot requires is not watched, or held
+  kRefusedUnanswered,    // arm: no controller answers, CycleConfig::arm_needs_answers
   kRefusedResetFirst,    // arm: after a fault or an estop
   kRefusedDisarmFirst,   // reset: a joint that had a fault would move at once
   kNotForProvider,       // start, stop, handover and permissions are for others
@@ -104,6 +105,9 @@ struct CycleConfig {
   bool ages_by_clock = false;
   bool plant_may_be_armed = true;
   bool estop_is_latched = false;  // on disk: a reset from ESTOPPED is done in two steps
+  // Arming needs a joint command under the session id that is at most guard.fault_after old, since
+  // it would end in a fault without. A simulation may be armed alone.
+  bool arm_needs_answers = false;
 };
 
 // The session id of a seed (splitmix64): spreads small seeds over 64 bits; never 0.
@@ -115,10 +119,9 @@ class ProviderCycle {
   // positive, or what CommandGuard and FallGuard refuse; a fall guard of another number of joints.
   explicit ProviderCycle(const CycleConfig& config);
 
-  // Armed from the first tick on, without an operator, and before a fall detector can have started.
-  void ArmAtStart() {
-    if (config_.plant_may_be_armed) guard_.Arm(config_.session_id, 0);
-  }
+  // Without an operator, and before a fall detector can have started. False: not yet, by
+  // arm_needs_answers.
+  bool ArmAtStart(std::uint64_t tick = 0);
 
   // disarm and estop count from any sender; arm and reset only with the cycle's own session_id,
   // and not from a recording.
@@ -186,6 +189,8 @@ class ProviderCycle {
  private:
   // That a command is for other joints than the robot's.
   types::Fault FaultOf(const JointSetpoints& command) const;
+  // False: arming waits for a controller.
+  bool AnsweredForArming(std::uint64_t tick) const;
   // Joint j of command_ as the accepted joint command says.
   void Pass(std::size_t joint);
   // The first joint whose part of the accepted joint command is not finite.

@@ -201,6 +201,11 @@ std::vector<Holder> HoldersOfAll() {
   return out;
 }
 
+bool IsInside(const Holder& holder) {
+  return IsSameNamespace(Open("/proc/self/ns/net"),
+                         "/proc/" + std::to_string(holder.pid) + "/ns/net");
+}
+
 std::string NameOf(uid_t user) {
   const passwd* entry = ::getpwuid(user);
   return entry == nullptr ? std::to_string(user) : entry->pw_name;
@@ -214,15 +219,19 @@ std::vector<Holder> Holders() {
   return out;
 }
 
+std::optional<Holder> Inside() {
+  for (const Holder& holder : HoldersOfAll()) {
+    if (IsInside(holder)) return holder;
+  }
+  return std::nullopt;
+}
+
 std::string OthersIn(int domain_id) {
   std::string out;
   for (const Holder& holder : HoldersOfAll()) {
     if (holder.domain_id != domain_id) continue;
     const bool own = holder.user == ::geteuid();
-    if (own && IsSameNamespace(Open("/proc/self/ns/net"),
-                               "/proc/" + std::to_string(holder.pid) + "/ns/net")) {
-      continue;
-    }
+    if (own && IsInside(holder)) continue;
     out += "; isolated there: '" + holder.deployment + "' " +
            (own ? "(--deployment " + holder.deployment + ")"
                 : "of user " + NameOf(holder.user) + ", whose programs alone reach it");

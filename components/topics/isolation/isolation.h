@@ -34,6 +34,9 @@ std::vector<Holder> Holders();
 // Throws: no such deployment runs, or empty and several do.
 std::optional<Holder> Chosen(const std::string& chosen, int domain_id);
 
+// The holder whose network this process is in; nothing: it is in another one, as the host's.
+std::optional<Holder> Inside();
+
 // Isolated deployments of the domain in which this process is not, for those who hear nobody: text
 // that continues a sentence ("; ..."), or empty.
 std::string OthersIn(int domain_id);

@@ -1,14 +1,21 @@
 #include "components/topics/node/transports.h"
 
+#include <dlfcn.h>
 #include <fastdds/rtps/transport/SocketTransportDescriptor.h>
 #include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
 #include <fastdds/rtps/transport/shared_mem/SharedMemTransportDescriptor.h>
 #include <fastrtps/utils/IPLocator.h>
+#include <fcntl.h>
+#include <semaphore.h>
 #include <spdlog/spdlog.h>
+#include <sys/mman.h>
 #include <sys/stat.h>
+#include <sys/syscall.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
+#include <cstdarg>
 #include <filesystem>
 #include <string_view>
 
@@ -189,3 +196,42 @@ void RestrictSharedMemory() {
 }
 
 }  // namespace sinew::node::internal
+
+// Shared memory of this process is its user's alone from the moment that it is made. Boost, inside
+// of Fast DDS, makes it with 0644 and sets that again by fchmod(), whatever the umask is; a
+// definition in the program comes before libc's.
+namespace {
+
+constexpr mode_t kOwnersAlone = S_IRUSR | S_IWUSR;
+thread_local int made_here = -1;  // shared memory whose mode is still to be set
+
+template <class Function>
+Function OfLibc(const char* name) {
+  return reinterpret_cast<Function>(::dlsym(RTLD_NEXT, name));
+}
+
+}  // namespace
+
+int shm_open(const char* name, int flags, mode_t mode) {
+  static const auto kOpen = OfLibc<int (*)(const char*, int, mode_t)>("shm_open");
+  const int file = kOpen(name, flags, mode & kOwnersAlone);
+  made_here = (flags & O_CREAT) != 0 ? file : -1;
+  return file;
+}
+
+int fchmod(int file, mode_t mode) noexcept {
+  if (file >= 0 && file == made_here) mode &= kOwnersAlone;
+  made_here = -1;
+  return static_cast<int>(::syscall(SYS_fchmod, file, mode));
+}
+
+sem_t* sem_open(const char* name, int flags, ...) noexcept {
+  static const auto kOpen = OfLibc<sem_t* (*)(const char*, int, ...)>("sem_open");
+  if ((flags & O_CREAT) == 0) return kOpen(name, flags);
+  std::va_list more;
+  va_start(more, flags);
+  const mode_t mode = va_arg(more, mode_t);
+  const unsigned value = va_arg(more, unsigned);
+  va_end(more);
+  return kOpen(name, flags, mode & kOwnersAlone, value);
+}

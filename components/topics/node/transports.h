@@ -19,8 +19,9 @@ namespace sinew::node::internal {
 // neither a key nor DDS security.
 void RestrictTransports(const Options& options, eprosima::fastdds::dds::DomainParticipantQos* qos);
 
-// Shared memory is not filtered, and the library makes its files for every user to write: those of
-// this user become his alone. After the participant has made them.
+// Shared memory is not filtered. Segments, ports and semaphores are made for their user alone, by
+// definitions of shm_open, fchmod and sem_open in transports.cc; the locks beside them, empty files
+// that others could hold, become so here, after the participant has made them.
 void RestrictSharedMemory();
 
 }  // namespace sinew::node::internal

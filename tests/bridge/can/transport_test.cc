@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 #include <sys/socket.h>
+#include <sys/syscall.h>
 #include <sys/un.h>
 #include <unistd.h>
 
@@ -26,6 +27,8 @@
 #include "components/base/config/config.h"
 #include "components/base/types/clock/clock.h"
 #include "tests/support/memory_can.h"
+#include "tests/support/skip.h"
+#include "tests/support/strange_socket.h"
 
 namespace sinew::can {
 namespace {
@@ -203,6 +206,42 @@ TEST(BusServer, FileInTheWayIsNotRemoved) {
   EXPECT_THROW(BusServer(path, {}), UsageError);
   EXPECT_TRUE(std::filesystem::exists(path));
   std::filesystem::remove(path);
+}
+
+TEST(VirtualCan, TheBusOfAnotherUserInItsPlaceIsNone) {
+  SKIP_WITHOUT_KERNEL(::geteuid() == 0, "second user for this one");
+  const std::string path = Path("strange");
+  const config::Descriptor stranger = testing::ListenAs(testing::kStranger, path, SOCK_SEQPACKET);
+  try {
+    const VirtualCan node({.bus = path, .connect_timeout = milliseconds(100)});
+    ADD_FAILURE() << "joined";
+  } catch (const UsageError& error) {
+    EXPECT_NE(std::string(error.what()).find("user 65534 listens on " + path), std::string::npos)
+        << error.what();
+  }
+  std::filesystem::remove(path);
+}
+
+TEST(BusServer, AProcessOfAnotherUserIsNoNode) {
+  SKIP_WITHOUT_KERNEL(::geteuid() == 0, "second user for this one");
+  const std::string path = Path("guarded");
+  BusServer server(path, {});
+  std::filesystem::permissions(path, std::filesystem::perms::all);
+  const auto address = *config::SocketAddress(path);
+  const auto connect = [&](uid_t user) {
+    config::Descriptor client(::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0));
+    // Of this thread alone, unlike seteuid().
+    EXPECT_EQ(::syscall(SYS_setresuid, -1, user, -1), 0);
+    EXPECT_EQ(::connect(client.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address),
+              0);
+    EXPECT_EQ(::syscall(SYS_setresuid, -1, 0, -1), 0);
+    server.RunOnce(seconds(5));
+    return client;
+  };
+  const config::Descriptor stranger = connect(testing::kStranger);
+  EXPECT_EQ(server.clients(), 0);
+  const config::Descriptor own = connect(0);
+  EXPECT_EQ(server.clients(), 1);
 }
 
 TEST(BusServer, GarbageFromAClientIsIgnored) {

@@ -47,6 +47,14 @@ TEST(CanBridgeSystem, TorqueMovesTheLinkThroughFramesAndTheStateComesBack) {
   EXPECT_TRUE(rig.Run(0.0, seconds(10), [&](const msg::JointState&) {
     return rig.actuator() && !rig.actuator()->valve_open[0];
   }));
+  // It does not follow what comes late.
+  rig.late_valve_open = true;
+  const std::uint64_t late_until = rig.last().header.tick + 60;
+  EXPECT_TRUE(rig.Run(0.0, seconds(10), [&](const msg::JointState& s) {
+    EXPECT_FALSE(rig.actuator()->valve_open[0]) << s.header.tick;
+    return s.header.tick > late_until;
+  }));
+  rig.late_valve_open.reset();
 
   rig.Operator(msg::OperatorAction::kDisarm);
   EXPECT_TRUE(rig.Run(0.0, seconds(10), [](const msg::JointState& s) {

@@ -179,6 +179,11 @@ class Rig {
       valves.joint_count = 1;
       valves.valve_open[0] = valve_open;
       (void)valves_.Write(valves);
+      if (late_valve_open) {
+        --valves.header.tick;
+        valves.valve_open[0] = *late_valve_open;
+        (void)valves_.Write(valves);
+      }
       while (const auto actuator = actuators_.TakeNext()) actuator_ = *actuator;
       while (const auto bus = bus_status_.TakeNext()) status_ = *bus;
       if (done(*state)) return true;
@@ -209,7 +214,8 @@ class Rig {
   const std::optional<msg::ActuatorState>& actuator() const { return actuator_; }
   const std::optional<msg::BusStatus>& status() const { return status_; }
   bool valve_open = true;
-  std::optional<double> position_rad;  // commanded instead of the torque
+  std::optional<bool> late_valve_open;  // of the tick before, sent after that
+  std::optional<double> position_rad;   // commanded instead of the torque
 
  private:
   static node::Options NodeOptions(int domain) {

@@ -5,6 +5,7 @@
 #include <linux/joystick.h>
 #include <poll.h>
 #include <sched.h>
+#include <sys/resource.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
 
@@ -94,13 +95,46 @@ TEST(EstopSystem, WithoutTheAxesIdleIsNotConfirmed) {
   rig.axes().Signal(SIGCONT);
 }
 
-// At 4 Hz a cycle waits 250 ms: for its command first, then for its end.
+// Takes the last descriptors that a state provider may have: a limit just above those that it has,
+// and connections that say nothing.
+class LastDescriptors {
+ public:
+  LastDescriptors(pid_t pid, const std::filesystem::path& socket) : pid_(pid) {
+    rlim_t highest = 0;
+    const std::string folder = "/proc/" + std::to_string(pid) + "/fd";
+    for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+      highest = std::max<rlim_t>(highest, std::stoul(entry.path().filename().string()));
+    }
+    EXPECT_EQ(::prlimit(pid_, RLIMIT_NOFILE, nullptr, &before_), 0);
+    const rlimit few{highest + 2, before_.rlim_max};
+    EXPECT_EQ(::prlimit(pid_, RLIMIT_NOFILE, &few, nullptr), 0);
+    const auto address = *config::SocketAddress(socket);
+    for (int i = 0; i < 30; ++i) {
+      clients_.emplace_back(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
+      (void)::connect(clients_.back().get(), reinterpret_cast<const sockaddr*>(&address),
+                      sizeof address);
+    }
+  }
+  ~LastDescriptors() { EXPECT_EQ(::prlimit(pid_, RLIMIT_NOFILE, &before_, nullptr), 0); }
+  LastDescriptors(const LastDescriptors&) = delete;
+  LastDescriptors& operator=(const LastDescriptors&) = delete;
+
+ private:
+  pid_t pid_;
+  rlimit before_{};
+  std::vector<config::Descriptor> clients_;
+};
+
+// At 4 Hz a cycle waits 250 ms: for its command first, then for its end. The second time the bridge
+// has no free descriptors.
 TEST(EstopSystem, ACycleThatWaitsIsWoken) {
   Rig rig(43,
           {.bridge_more = kEstopBlock, .bridge_arguments = {"--rate", "4"}, .watchdog_ms = 2000});
   AxisWatch watch(rig);
   for (int k = 0; k < 2; ++k) {
     ASSERT_TRUE(Drives(&rig, &watch)) << rig.bridge().error();
+    std::optional<LastDescriptors> full;
+    if (k == 1) full.emplace(rig.bridge().pid(), rig.folder() / "estop.sock");
     // The cycle's command is on the bus: from now on it sleeps.
     const auto command_ms =
         watch.FrameAfter(types::MonotonicNow_ns(), seconds(5), [](const can::Frame& frame) {
@@ -112,6 +146,7 @@ TEST(EstopSystem, ACycleThatWaitsIsWoken) {
     const auto idle_ms = watch.IdleAfter(pressed_ns);
     ASSERT_TRUE(idle_ms) << rig.bridge().error();
     EXPECT_LT(*idle_ms, 125.0) << "half a period";
+    full.reset();
     ASSERT_TRUE(rig.Order(msg::OperatorAction::kReset, msg::RobotState::kDisarmed))
         << rig.bridge().error();
   }

@@ -11,6 +11,7 @@
 #include <string>
 
 #include "bridge/can/bit_timing.h"
+#include "bridge/can/sensor_node.h"
 #include "components/base/types/angle.h"
 #include "components/base/types/gravity.h"
 #include "components/model/actuator/file/model_file.h"
@@ -43,7 +44,8 @@ Eigen::Vector3d ImuVelocity(const provider::BodyTruth& base) {
   return Vector(base.velocity_m_s) + Vector(base.angular_velocity_rad_s).cross(arm_m);
 }
 
-// README.md, "Through CAN": bits a second at worst stuffing, from the two files.
+// README.md, "Through CAN", and docs/participants/can_bridge.md, "Rates": bits a second at worst
+// stuffing, from the two files.
 struct Load {
   int bus;
   double rate_Hz;
@@ -61,6 +63,13 @@ double WorstLoad_percent(const virtual_axes::VirtualAxesConfig& nodes,
         load.rate_Hz * can::WorstFrameBits(load.torque ? 4 : 8) +
         iq_s * (can::WorstFrameBits(0) + can::WorstFrameBits(8)) +
         (per_s(axis.rates.encoder_ms) + per_s(axis.rates.heartbeat_ms)) * can::WorstFrameBits(8);
+  }
+  for (const virtual_axes::SensorNodeConfig& node : nodes.nodes) {
+    if (node.bus != load.bus) continue;
+    const can::Frame valves = can::Encode(node.node, can::ValveCommand{});
+    bits_s += (per_s(node.encoder_ms) + per_s(node.sensors_ms) + per_s(node.heartbeat_ms)) *
+                  can::WorstFrameBits(8) +
+              load.rate_Hz * can::WorstFrameBits(valves.length);
   }
   for (const virtual_axes::BodyNodeConfig& node : nodes.body_nodes) {
     if (node.bus != load.bus) continue;
@@ -233,6 +242,33 @@ TEST(BipedThroughCan, TheBusesHaveTheLoadThatTheReadmeStates) {
       EXPECT_NE(readme.find(row), std::string::npos) << "README.md has not: " << row;
     }
   }
+}
+
+TEST(BipedThroughCan, ThePageOfTheBridgeStatesTheLoadsAsShipped) {
+  const CanBiped biped;
+  const std::string rig = SINEW_SOURCE_DIR "/robots/rig/";
+  const auto axes = config::Read<virtual_axes::VirtualAxesFile>(
+      config::Section::Load(rig + "virtual_axes.yaml", virtual_axes::kSchema));
+  const auto map = config::Read<bridge::BridgeFile>(
+      config::Section::Load(rig + "can_bridge.yaml", bridge::kSchema));
+  const double rate_Hz = provider::ProviderOptions().rate_Hz;
+  const auto left = [&](bool torque) {
+    return WorstLoad_percent(biped.axes_config(), biped.map(), {0, rate_Hz, torque});
+  };
+  const auto right = [&](bool torque) {
+    return WorstLoad_percent(biped.axes_config(), biped.map(), {1, rate_Hz, torque});
+  };
+  char text[256];
+  std::snprintf(text, sizeof text,
+                "| %.0f Hz, worst content | %.1f %% | %.1f %% | %.1f %% | %.1f %% | %.1f %% |",
+                rate_Hz, WorstLoad_percent(axes.axes, map.bridge, {0, rate_Hz, true}), left(false),
+                left(true), right(false), right(true));
+  const std::string page = config::ReadFile(SINEW_SOURCE_DIR "/docs/participants/can_bridge.md");
+  EXPECT_NE(page.find(text), std::string::npos) << "can_bridge.md has not: " << text;
+  std::snprintf(text, sizeof text, "%.0f to %.0f %% on the biped's left bus", left(true),
+                left(false));
+  const std::string bring_up = config::ReadFile(SINEW_SOURCE_DIR "/docs/bring-up.md");
+  EXPECT_NE(bring_up.find(text), std::string::npos) << "bring-up.md has not: " << text;
 }
 
 // The bridge's map against the robot's model and URDF, and against the nodes that answer it.

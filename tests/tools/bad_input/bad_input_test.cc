@@ -2,6 +2,8 @@
 // expected; exit code 2; nothing half-written.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <sys/sysmacros.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -13,6 +15,7 @@
 #include <vector>
 
 #include "tests/support/program.h"
+#include "tests/support/skip.h"
 #include "tests/support/temporary_folder.h"
 
 namespace sinew {
@@ -126,6 +129,40 @@ std::string LongCsv(double speed_m_s) {
   return csv.str();
 }
 
+// Twelve lines, in each of which ten aliases of the line before stand.
+std::string AliasBomb() {
+  std::string text = "x0: &x0 [1]\n";
+  for (int i = 1; i <= 12; ++i) {
+    const std::string name = "x" + std::to_string(i), before = "*x" + std::to_string(i - 1);
+    text += name + ": &" + name + " [" + before;
+    for (int k = 1; k < 10; ++k) text += ", " + before;
+    text += "]\n";
+  }
+  return text;
+}
+
+// A recording of one chunk: 32 kB of zstd, whose blocks repeat a byte (RFC 8878), for 1 GiB.
+std::string DenseRecording() {
+  constexpr std::uint64_t kBlocks = 8192, kBlock_bytes = 1u << 17;
+  const auto number = [](std::uint64_t value, std::size_t bytes) {
+    std::string text;
+    for (std::size_t i = 0; i < bytes; ++i) text += static_cast<char>(value >> (8 * i));
+    return text;
+  };
+  const auto record = [&number](int opcode, const std::string& content) {
+    return static_cast<char>(opcode) + number(content.size(), 8) + content;
+  };
+  std::string zstd = number(0xFD2FB528u, 4) + std::string("\0\x38", 2);  // a window of 128 KiB
+  for (std::uint64_t i = 1; i <= kBlocks; ++i) {
+    zstd += number((kBlock_bytes << 3) | 2u | (i == kBlocks ? 1u : 0u), 3) + '\0';
+  }
+  const std::string magic = "\x89MCAP0\r\n";
+  const std::string chunk = number(0, 8) + number(1, 8) + number(kBlocks * kBlock_bytes, 8) +
+                            number(0, 4) + number(4, 4) + "zstd" + number(zstd.size(), 8) + zstd;
+  return magic + record(1, number(0, 4) + number(1, 4) + "t") + record(6, chunk) +
+         record(15, number(0, 4)) + record(2, number(0, 20)) + magic;
+}
+
 std::vector<Row> CommandRows() {
   std::vector<Row> rows = {
       {"LaunchMissingFile", {"sinew", "launch", "no.yaml"}, {}, {"no.yaml", "No such file"}},
@@ -138,6 +175,10 @@ std::vector<Row> CommandRows() {
        {"sinew", "launch", "d.yaml"},
        {{"d.yaml", "schema: sinew-deployment/1\nprocesses: &a [*a]\n"}},
        {"d.yaml:2: a value contains itself by an alias"}},
+      {"LaunchAliasBomb",
+       {"sinew", "launch", "d.yaml"},
+       {{"d.yaml", AliasBomb()}},
+       {"d.yaml:7: more than 1048576 values with those of aliases, expected fewer"}},
       {"LaunchDevice", {"sinew", "launch", "/dev/zero"}, {}, {"/dev/zero: is a device"}},
       {"LaunchControlCharacters",
        {"sinew", "launch", "d.yaml"},
@@ -252,6 +293,11 @@ std::vector<Row> CommandRows() {
        {"sinew", "replay", "b.mcap", "--domain", "-1"},
        {{"b.mcap", ""}},
        {"--domain", "232"}},
+      {"ListDenseMcap",
+       {"sinew", "list", "b.mcap"},
+       {{"b.mcap", DenseRecording()}},
+       {"b.mcap: byte 26: chunk: 32774 compressed bytes are said to hold 1073741824, expected at "
+        "most 67108864"}},
       {"ListBrokenMcap", {"sinew", "list", "b.mcap"}, {{"b.mcap", "nothing"}}, {"b.mcap"}},
       {"EchoUnknownTopic", {"sinew", "echo", "joint_stat"}, {}, {"joint_stat"}},
       {"EchoUnknownField",
@@ -456,6 +502,34 @@ TEST(BadUrdf, IsRefusedWithFileAndWhatWasExpected) {
   const TemporaryFolder folder;
   ExpectRefused({"sinew-world", "--config", (kRig / "world.yaml").string(), "--urdf", "no.urdf"},
                 folder.path(), {"no.urdf"});
+  std::string links, joints;
+  for (int i = 0; i < 20000; ++i) {
+    const std::string child = std::to_string(i + 1);
+    links += "<link name='l" + std::to_string(i) + "'/>\n";
+    joints += "<joint name='j" + child + "' type='fixed'><parent link='l" + std::to_string(i) +
+              "'/><child link='l" + child + "'/></joint>\n";
+  }
+  folder.Write("long.urdf",
+               "<robot name='r'>\n" + links + "<link name='l20000'/>\n" + joints + "</robot>\n");
+  ExpectRefused({"sinew-world", "--config", (kRig / "world.yaml").string(), "--urdf", "long.urdf"},
+                folder.path(), {"long.urdf:1002: more than 1000 links, expected fewer"});
+}
+
+// ---- outputs
+
+TEST(BadOutput, ADeviceIsWrittenAndNeverReplaced) {
+  const TemporaryFolder folder;
+  const fs::path device = folder.path() / "full";  // as /dev/full, which a failure would replace
+  const bool is_made = ::mknod(device.c_str(), S_IFCHR | 0600, makedev(1, 7)) == 0 &&
+                       std::ofstream(device).is_open();
+  SKIP_WITHOUT_KERNEL(is_made, "device nodes for this user");
+  folder.Write("m.yaml", kMap);
+  folder.Write("d.csv", kCsv);
+  ExpectRefused({"sinew", "import", "d.csv", "--map", "m.yaml", "--out", "full", "--overwrite"},
+                folder.path(), {"full: cannot be written: No space left on device"});
+  ExpectRefused({"sinew", "record", "--out", "full", "--domain", "40"}, folder.path(),
+                {"full: is there already, expected a new name"});
+  EXPECT_TRUE(fs::is_character_file(device));
 }
 
 }  // namespace

@@ -82,5 +82,14 @@ TEST(CanCheck, NoneIsANoteAndNoListIsAnError) {
   EXPECT_THROW((void)CheckCan("", {}), std::invalid_argument);
 }
 
+TEST(CanCheck, NamesWireGuardTunnelsAndNoOtherInterface) {
+  const std::string text = R"([{"ifname":"lo"},
+    {"ifname":"wg0","flags":["POINTOPOINT","NOARP","UP","LOWER_UP"],"link_type":"none",
+     "linkinfo":{"info_kind":"wireguard"}},
+    {"ifname":"wg1","linkinfo":{"info_kind":"dummy"}}])";
+  EXPECT_EQ(WireGuardIn(text), std::vector<std::string>{"wg0"});
+  EXPECT_EQ(WireGuardIn("").size() + WireGuardIn("{}").size() + WireGuardIn("[1]").size(), 0U);
+}
+
 }  // namespace
 }  // namespace sinew::inspect

@@ -57,6 +57,29 @@ TEST(Openness, WhatIsOpenWithoutKeysIsAWarningThatSaysWhatItMeans) {
   EXPECT_EQ(CheckOpenness({{"eth0"}, true}, {peer}).severity, Severity::kOk);
 }
 
+TEST(Openness, AWireGuardTunnelIsOpenToWhoeverHasAKeyOfIt) {
+  const node::internal::InterfaceAddress tunnel{"wg0", "10.9.0.1", 0xffffff00};
+  node::Endpoint peer = Peer("surrogate", true, false);
+  peer.addresses = {"10.9.0.2"};
+  const Finding inside = CheckOpenness({{"wg0"}, false, {tunnel}}, {peer});
+  EXPECT_EQ(inside.severity, Severity::kOk);
+  EXPECT_THAT(inside.text, HasSubstr("through WireGuard: 'surrogate' on 10.9.0.2, programs of this "
+                                     "shell on wg0; whoever has a key of the tunnel, and every "
+                                     "user of this host, can command"));
+  peer.addresses.emplace_back("192.168.7.2");
+  const Finding both = CheckOpenness({{"wg0"}, false, {tunnel}}, {peer});
+  EXPECT_EQ(both.severity, Severity::kWarning);
+  EXPECT_THAT(both.text, HasSubstr("'surrogate' on 192.168.7.2; whoever reaches"));
+}
+
+TEST(Openness, InsideAnIsolatedDeploymentOtherUsersOfTheHostCommandNothing) {
+  const Finding alone = CheckOpenness({{}, false, {}, "rig"}, {Peer("surrogate", true, false)});
+  EXPECT_EQ(alone.severity, Severity::kOk);
+  EXPECT_EQ(alone.text,
+            "loopback alone: in the network of deployment 'rig' its user and root, and nobody "
+            "else, can command the robot");
+}
+
 TEST(Clocks, TheLeastDelayBoundsTheOffset) {
   // Delays of 1 to 9 ms over a clock that is 50 ms ahead.
   std::vector<ClockSample> samples;

@@ -40,11 +40,14 @@ TEST(SystemdProtocol, AParticipantIsReadyWhenConfiguredIsFedAndSaysThatItStops) 
 TEST(SystemdProtocol, AStateProviderReportsWhetherTheRobotMayMove) {
   NotifySocket systemd(2s);
   Program provider({kBin + "/sinew-surrogate", "--config", kRig + "/surrogate.yaml", "--arm",
-                    "--domain", "138"});
-  EXPECT_TRUE(systemd.WaitFor("STATUS=active", kEnough));
+                    "--await-timeout", "1", "--domain", "138"});
+  EXPECT_TRUE(systemd.WaitFor("STATUS=active: --arm waits: no joint_command answers", kEnough));
   EXPECT_TRUE(systemd.WaitFor("READY=1", kEnough));
-  // Armed, and nobody commands: the provider latches a fault.
-  EXPECT_TRUE(systemd.WaitFor("STATUS=fault: joint_command missing", kEnough));
+  EXPECT_TRUE(systemd.WaitFor("STATUS=active: --arm: not armed: no joint_command", kEnough));
+  const testing::Finished estop = testing::Run(
+      {"/usr/bin/env", "-u", "NOTIFY_SOCKET", kBin + "/sinew", "estop", "--domain", "138"});
+  EXPECT_EQ(estop.exit_code, 0) << estop.error;
+  EXPECT_TRUE(systemd.WaitFor("STATUS=fault: estopped", kEnough));
   EXPECT_TRUE(systemd.WaitFor("WATCHDOG=1", kEnough)) << "a fault of the robot is no hanging loop";
   provider.Signal(SIGTERM);
   EXPECT_TRUE(systemd.WaitFor("STOPPING=1", kEnough));

@@ -8,13 +8,13 @@
 
 #include <array>
 #include <cerrno>
-#include <cstdlib>
 #include <cstring>
 #include <stdexcept>
 #include <utility>
 
 #include "components/base/config/config.h"
 #include "components/base/config/descriptor.h"
+#include "components/base/config/socket_folder.h"
 #include "components/base/config/unix_socket.h"
 
 namespace sinew::logger {
@@ -70,11 +70,7 @@ int Connect(const fs::path& path) {
 fs::path PlayerSocket(int domain_id, const std::string& name) {
   const std::string file =
       "player-" + std::to_string(domain_id) + "-" + config::FileNamePart(name) + ".sock";
-  const char* runtime = std::getenv("XDG_RUNTIME_DIR");
-  if (runtime != nullptr && runtime[0] == '/' && ::access(runtime, W_OK) == 0) {
-    return fs::path(runtime) / ("sinew-" + file);
-  }
-  return "/tmp/sinew-" + std::to_string(::getuid()) + "-" + file;
+  return config::PrivateSocket("sinew-" + file);
 }
 
 ControlSocket::ControlSocket(fs::path path, PlayControl& control)

@@ -15,9 +15,8 @@
 
 namespace sinew::logger {
 
-// Path of a player's socket, by its participant name: in $XDG_RUNTIME_DIR where it can be written,
-// else in /tmp with the user's number. Names are those of participants; other characters than
-// letters, digits, _ - . become _.
+// Path of a player's socket, by its participant name: config::PrivateSocket, which throws. Names
+// are those of participants; other characters than letters, digits, _ - . become _.
 std::filesystem::path PlayerSocket(int domain_id, const std::string& name);
 
 class ControlSocket {

@@ -49,6 +49,8 @@ const char* Refusal(OperatorResult result) {
       return "refused: the controller is of another robot";
     case OperatorResult::kRefusedByEstop:
       return "refused: an estop is not watched, or held";
+    case OperatorResult::kRefusedUnanswered:
+      return "refused: no controller answers";
     case OperatorResult::kRefusedResetFirst:
       return "refused: reset first";
     case OperatorResult::kRefusedDisarmFirst:

@@ -111,13 +111,16 @@ void AddProviderOptions(CLI::App& app, ProviderOptions* options) {
   app.add_option("--duration", options->duration_s,
                  "Length of the session in seconds; 0: until stopped")
       ->check(node::IsTime(node::Zero::kAllowed));
-  app.add_flag("--arm", options->arm, "Armed from the first tick (simulation only)");
+  app.add_flag(
+      "--arm", options->arm,
+      "Armed from the first tick, in real time once a controller answers (simulation only)");
   app.add_option(
          "--await", options->await,
          "Lockstep: topics whose answer ends a tick, comma-separated; TOPIC:WINDOW lets it lag")
       ->delimiter(',');
-  app.add_option("--await-timeout", options->await_timeout_s,
-                 "Seconds after which a missing answer is an error")
+  app.add_option(
+         "--await-timeout", options->await_timeout_s,
+         "Seconds after which a missing answer is an error (lockstep), or --arm is given up")
       ->check(node::IsTime(node::Zero::kRefused))
       ->capture_default_str();
 }

@@ -30,10 +30,12 @@ class ComposedCycle {
 struct ProviderOptions {
   double rate_Hz = 240.0;
   double duration_s = 0.0;  // 0: until stopped
-  bool arm = false;         // armed from tick 0; refused for live plants
+  // Armed from tick 0, in real time once a joint command answers; refused for live plants.
+  bool arm = false;
   // Lockstep: "joint_command", "recording_progress:128" (window in ticks).
   std::vector<std::string> await;
-  double await_timeout_s = 30.0;      // a reply that takes longer ends the session with an error
+  // Lockstep: a reply that takes longer ends the session with an error. Real time: arm is given up.
+  double await_timeout_s = 30.0;
   ComposedCycle* composed = nullptr;  // what runs in this thread between state and command
   // Real time, armed: from the write of joint_state to its command, decoded.
   WorkTime* answers = nullptr;

@@ -165,11 +165,14 @@ CycleConfig MakeCycleConfig(const node::Options& node_options, const ProviderOpt
   config.duration_s = options.duration_s;
   config.estop_is_latched = estop.latch.has_value();
   config.plant_may_be_armed = plant.ArmRefusal().empty();
+  config.arm_needs_answers = !config.simulated_time && (options.arm || plant.live());
   if (options.arm && !config.plant_may_be_armed) {
     throw UsageError("--arm: refused: " + plant.ArmRefusal());
   }
   return config;
 }
+
+constexpr char kUnanswered[] = "no joint_command answers: is the controller running (sinew list)?";
 
 // The plant's or the fall guard's message of its own faults, joints' included; of others what is
 // known here, and then the former.
@@ -216,8 +219,9 @@ class Provider {
     plant_.Reset(&sensors_);
     if (options_.stepped) options_.stepped(0.0, sensors_);
     node_.SetPeriod(cycle_.period());
-    if (options_.arm) cycle_.ArmAtStart();
-    node_.SetState(node::Node::State::kActive);
+    arm_is_due_ = options_.arm && !cycle_.ArmAtStart();
+    node_.SetState(node::Node::State::kActive,
+                   arm_is_due_ ? std::string("--arm waits: ") + kUnanswered : "");
     const auto start = Clock::now();
     CycleDeadline deadline(cycle_.period(), MonotonicNow_ns());
     for (tick_ = 0; !stop_.requested(); ++tick_) {
@@ -225,6 +229,7 @@ class Provider {
       work_.Resume(begin_ns);
       (void)cycle_.Begin(tick_, begin_ns);  // a stall is reported with the cycle
       TakeOperatorCommands();
+      ArmWhenAnswered();
       if (!lockstep_) other_provider_.Watch({cycle_.session_id(), cycle_.period_s() * tick_});
       Publish();
       if (options_.composed != nullptr) options_.composed->Answer();
@@ -255,9 +260,27 @@ class Provider {
   }
 
  private:
+  // --arm in real time: while handshakes are not done, its first commands would be missing.
+  void ArmWhenAnswered() {
+    if (!arm_is_due_) return;
+    arm_is_due_ = cycle_.state() == RobotState::kDisarmed && !cycle_.ArmAtStart(tick_);
+    if (!arm_is_due_ || cycle_.period_s() * static_cast<double>(tick_) < options_.await_timeout_s) {
+      return;
+    }
+    arm_is_due_ = false;
+    const std::string why =
+        ArmRefusal(cycle_.CommandFault().active() ? OperatorResult::kRefusedByCommand
+                                                  : OperatorResult::kRefusedUnanswered);
+    spdlog::error("--arm: not armed within {:.0f} s: {}", options_.await_timeout_s, why);
+    node_.SetState(node::Node::State::kActive, "--arm: not armed: " + why);
+  }
+
   // Why the command was refused, where the result does not say it all.
   std::string OnOperator(OperatorResult result, types::OperatorAction action,
                          std::string_view reason) {
+    if (action == types::OperatorAction::kDisarm || action == types::OperatorAction::kEstop) {
+      arm_is_due_ = false;
+    }
     if (action == types::OperatorAction::kEstop) desk_->OnEstop(reason);
     if (result == OperatorResult::kUnlatchFirst) desk_->OnReset();
     const std::string why = ArmRefusal(result);
@@ -277,6 +300,8 @@ class Provider {
         return types::FaultText(cycle_.CommandFault());
       case OperatorResult::kRefusedByEstop:
         return watch_->Problem(MonotonicNow_ns());
+      case OperatorResult::kRefusedUnanswered:
+        return kUnanswered;
       default:
         return "";
     }
@@ -442,6 +467,7 @@ class Provider {
   std::optional<estop::Watch> watch_;  // of estop.required
   std::optional<node::Reader<msg::EstopState>> estop_states_;
   std::optional<EstopDesk> desk_;  // while the loop runs; its thread uses node and sleep
+  bool arm_is_due_ = false;        // --arm, which nobody has answered yet
   bool idled_ = false;             // the plant's command is of ESTOPPED
   WorkTime own_work_;
   WorkTime& work_;  // of real-time cycles

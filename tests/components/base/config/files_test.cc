@@ -6,10 +6,12 @@
 #include <unistd.h>
 
 #include <array>
+#include <cstdlib>
 #include <set>
 #include <string>
 
 #include "components/base/config/config.h"
+#include "components/base/config/socket_folder.h"
 #include "components/base/config/whole_file.h"
 #include "tests/support/temporary_folder.h"
 
@@ -121,6 +123,28 @@ TEST_F(Files, ReadingStopsAtALimit) {
             file_.string() + ": has more than 4 bytes, expected a smaller file");
   fs::resize_file(file_, kLargestText + 1);
   EXPECT_THAT(ErrorOf([&] { ReadFile(file_); }), HasSubstr("has more than 16777216 bytes"));
+}
+
+TEST_F(Files, APrivateSocketIsInAFolderThatIsItsUsersAlone) {
+  const char* const before = std::getenv("XDG_RUNTIME_DIR");
+  const std::string kept = before == nullptr ? "" : before;
+  ASSERT_EQ(::setenv("XDG_RUNTIME_DIR", folder_.path().c_str(), 1), 0);
+  EXPECT_EQ(PrivateSocket("a.sock"), folder_.path() / "a.sock");
+  const fs::path own = "/tmp/sinew-" + std::to_string(::geteuid());
+  ASSERT_EQ(::chmod(folder_.path().c_str(), 0777), 0);
+  EXPECT_EQ(PrivateSocket("a.sock"), own / "a.sock") << "others may write to the first";
+  struct stat status {};
+  ASSERT_EQ(::lstat(own.c_str(), &status), 0);
+  EXPECT_EQ(status.st_mode & (S_IFMT | S_IWGRP | S_IWOTH), static_cast<mode_t>(S_IFDIR));
+  EXPECT_EQ(status.st_uid, ::geteuid());
+  if (::geteuid() == 0) {
+    ASSERT_EQ(::chmod(folder_.path().c_str(), 0700), 0);
+    ASSERT_EQ(::chown(folder_.path().c_str(), 65534, static_cast<gid_t>(-1)), 0);
+    EXPECT_EQ(PrivateSocket("a.sock"), own / "a.sock") << "the first is another user's";
+  }
+  ::unsetenv("XDG_RUNTIME_DIR");
+  EXPECT_EQ(PrivateSocket("a.sock"), own / "a.sock");
+  if (!kept.empty()) ::setenv("XDG_RUNTIME_DIR", kept.c_str(), 1);
 }
 
 }  // namespace

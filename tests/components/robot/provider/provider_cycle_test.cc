@@ -394,6 +394,28 @@ TEST(ProviderCycle, APlantThatMayNotBeArmedIsNotArmed) {
   EXPECT_EQ(Order(&cycle, OperatorAction::kEstop), OperatorResult::kDone);
 }
 
+TEST(ProviderCycle, WhereArmingNeedsAnswersItWaitsForAControllerThatIsThere) {
+  CycleConfig config = Config();
+  config.arm_needs_answers = true;
+  ProviderCycle cycle(config);
+  EXPECT_FALSE(cycle.ArmAtStart());
+  EXPECT_EQ(Order(&cycle, OperatorAction::kArm), OperatorResult::kRefusedUnanswered);
+  JointSetpoints other = Torques(100, 0.0, 0.0);
+  other.joint_count = 1;
+  EXPECT_FALSE(cycle.Take(other, 100));
+  EXPECT_FALSE(cycle.ArmAtStart(100)) << "it is of another robot";
+  ASSERT_TRUE(cycle.Take(Torques(101, 0.0, 0.0), 101));
+  // 60 ms are 14.4 periods.
+  EXPECT_EQ(Order(&cycle, OperatorAction::kArm, 117), OperatorResult::kRefusedUnanswered)
+      << "it has gone";
+  EXPECT_EQ(cycle.state(), RobotState::kDisarmed);
+  EXPECT_TRUE(cycle.ArmAtStart(116));
+  EXPECT_EQ(Modes(&cycle, 116), kIdle) << "a command from before arming";
+  EXPECT_EQ(cycle.state(), RobotState::kArmed);
+  ASSERT_EQ(Order(&cycle, OperatorAction::kEstop, 200), OperatorResult::kDone);
+  EXPECT_EQ(Order(&cycle, OperatorAction::kArm, 300), OperatorResult::kRefusedResetFirst);
+}
+
 TEST(ProviderCycle, AFaultIsResetAtOnceWhereOnlyEstopsAreLatched) {
   CycleConfig config = Config();
   config.estop_is_latched = true;

@@ -1,4 +1,5 @@
 // Nodes of one process talk over DDS. Every test has its own domain.
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sinew_idl/joint.h>
@@ -7,12 +8,16 @@
 #include <sinew_idl/regime.h>
 #include <sinew_idl/residual.h>
 #include <sinew_idl/status.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <atomic>
 #include <fstream>
 #include <iterator>
 #include <limits>
+#include <map>
 #include <optional>
 #include <thread>
 
@@ -73,6 +78,48 @@ TEST(NodeDds, DeliversEverySampleInOrderInLockstep) {
     EXPECT_EQ(*state, StateOfTick(tick));
   }
   EXPECT_EQ(reader.lost(), 0u);
+}
+
+// Files of /dev/shm that this process has mapped, by their modes.
+std::map<std::string, mode_t> MappedSharedMemory() {
+  std::map<std::string, mode_t> files;
+  std::ifstream maps("/proc/self/maps");
+  for (std::string line; std::getline(maps, line);) {
+    const std::size_t at = line.find("/dev/shm/");
+    struct stat status {};
+    if (at == std::string::npos || ::stat(line.c_str() + at, &status) != 0) continue;
+    files[line.substr(at)] = status.st_mode & 0777;
+  }
+  return files;
+}
+
+TEST(NodeDds, SharedMemoryIsItsUsersAloneFromTheMomentThatItIsMade) {
+  Node a(MakeOptions("a", 213)), b(MakeOptions("b", 213));
+  auto writer = a.MakeWriter(kJointState);
+  auto reader = b.MakeReader(kJointState);
+  ASSERT_EQ(writer.Write(StateOfTick(0)), WriteStatus::kOk);
+  ASSERT_TRUE(reader.WaitNext(10s));
+  const auto files = MappedSharedMemory();
+  EXPECT_GE(files.size(), 2U) << "a segment of each";
+  for (const auto& [name, mode] : files) EXPECT_EQ(mode, 0600U) << name;
+
+  // As Boost makes a segment, at any time; what comes after is not changed.
+  const std::string name = "/sinew-mode-" + std::to_string(::getpid());
+  const int file = ::shm_open(name.c_str(), O_CREAT | O_EXCL | O_RDWR, 0644);
+  ASSERT_GE(file, 0);
+  const auto mode = [file] {
+    struct stat status {};
+    EXPECT_EQ(::fstat(file, &status), 0);
+    return status.st_mode & 0777;
+  };
+  EXPECT_EQ(mode(), 0600U);
+  EXPECT_EQ(::fchmod(file, 0644), 0);
+  EXPECT_EQ(mode(), 0600U);
+  EXPECT_EQ(::fchmod(file, 0640), 0);
+  EXPECT_EQ(mode(), 0640U);
+  ::close(file);
+  EXPECT_EQ(::shm_unlink(name.c_str()), 0);
+  EXPECT_EQ(::fchmod(-1, 0644), -1);
 }
 
 TEST(NodeDds, AReaderThatDoesNotReadKeepsTheNewestAndCountsWhatItDropped) {

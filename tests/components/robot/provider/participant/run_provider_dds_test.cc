@@ -377,6 +377,42 @@ TEST(RunProvider, AGuardAgainstFallsNeedsSensorsOfTheBodyAndTheRobotsJoints) {
   EXPECT_THAT(error_of(slow, 10.0), HasSubstr("guard.fall: ")) << "no tick in 100 ms";
 }
 
+TEST(RunProvider, ArmingAtTheStartWaitsForAControllerAndTheRobotIdlesUntilThen) {
+  node::Node controller(OptionsOf("controller", 177));
+  auto states = controller.MakeReader(node::kJointState);
+  PushedPlant plant;
+  node::StopFlag stop;
+  std::thread provider([&] {
+    // A guard that bears the pauses of a busy machine.
+    RunProvider(OptionsOf("provider", 177), stop, {.duration_s = kSession_s, .arm = true},
+                {.missed_periods = 100, .fault_after = 1000ms}, plant);
+  });
+  std::optional<node::Writer<msg::JointCommand>> commands;
+  bool alone = false, armed = false, last = false;
+  while (!last) {
+    const auto state = states.WaitNext(10s);
+    if (!state) break;
+    EXPECT_NE(state->robot_state, msg::RobotState::kFault) << state->header.tick;
+    if (!commands) EXPECT_EQ(state->robot_state, msg::RobotState::kDisarmed);
+    alone = alone || !commands;
+    if (!commands && state->header.tick > 240) {
+      commands.emplace(controller.MakeWriter(node::kJointCommand));
+    }
+    if (commands) {
+      msg::JointCommand answer;
+      answer.header = state->header;
+      answer.joint_count = 1;
+      EXPECT_EQ(commands->Write(answer), node::WriteStatus::kOk);
+    }
+    armed = armed || state->robot_state == msg::RobotState::kArmed;
+    last = state->last_tick;
+  }
+  provider.join();
+  EXPECT_TRUE(alone);
+  EXPECT_TRUE(armed);
+  EXPECT_TRUE(last);
+}
+
 // The last one: a stop that was requested is one for the whole process.
 TEST(RunProvider, ADisturbanceOfAnotherSessionIsRefused) {
   node::Node sender(OptionsOf("sender", 51));
