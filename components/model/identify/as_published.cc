@@ -1,9 +1,11 @@
 #include "components/model/identify/as_published.h"
 
 #include <Eigen/QR>
-#include <array>
 #include <stdexcept>
+#include <utility>
 
+#include "components/model/identify/balance.h"
+#include "components/model/identify/design.h"
 #include "components/model/identify/differentiate.h"
 #include "components/model/identify/iir_filter.h"
 #include "components/model/identify/processing.h"
@@ -13,14 +15,9 @@ namespace sinew::identify {
 
 namespace {
 
-struct Regression {
-  Eigen::MatrixXd columns;
-  Eigen::VectorXd target;
-  std::vector<std::pair<std::size_t, std::size_t>> parameters;  // term, linear
-};
-
-Regression Build(const types::Run& run, const actuator::JointModel& model,
-                 const AsPublishedOptions& options) {
+// The balance behind the published filters, decimated.
+Balance Build(const types::Run& run, const actuator::JointModel& model,
+              const AsPublishedOptions& options) {
   const types::Signal drive = DriveSignal(model);
   run.At(drive);
   const UniformRun uniform = MakeUniform(run);
@@ -44,24 +41,11 @@ Regression Build(const types::Run& run, const actuator::JointModel& model,
   const Eigen::VectorXd a = CentralDifference(v, piece.period_s);
   const Eigen::VectorXd& input = piece.signals.at(drive);
 
-  Regression out;
-  std::vector<Eigen::VectorXd> full;
-  std::vector<std::vector<Eigen::Index>> column_of(model.terms.size());
-  for (std::size_t t = 0; t < model.terms.size(); ++t) {
-    const actuator::Term& term = model.terms[t];
-    for (std::size_t i = 0; i < term.linear.size(); ++i) {
-      const bool known = term.linear[i].fixed || term.effect->info().role == effects::Role::kDrive;
-      column_of[t].push_back(known ? -1 : static_cast<Eigen::Index>(full.size()));
-      if (known) continue;
-      full.push_back(Eigen::VectorXd::Zero(kept));
-      out.parameters.emplace_back(t, i);
-    }
-  }
-  Eigen::VectorXd target = Eigen::VectorXd::Zero(kept);
-  std::vector<double> memory(static_cast<std::size_t>(model.memory_size()));
-  for (Eigen::Index i = 0; i < kept; ++i) {
-    effects::JointSample x;
-    const Eigen::Index k = border + i;
+  StateSegment segment{.start_s = piece.Time(border), .period_s = piece.period_s};
+  segment.drive_input = input.segment(border, kept);
+  segment.usable.assign(static_cast<std::size_t>(kept), 1);
+  for (Eigen::Index k = border; k < border + kept; ++k) {
+    effects::JointSample& x = segment.samples.emplace_back();
     x.time_s = piece.Time(k);
     x.position_rad = q[k];
     x.velocity_rad_s = v[k];
@@ -70,49 +54,30 @@ Regression Build(const types::Run& run, const actuator::JointModel& model,
     x.motor_velocity_rad_s = model.constants.gear_ratio * v[k];
     x.motor_acceleration_rad_s2 = model.constants.gear_ratio * a[k];
     x.drive_input = input[k];
-    if (i == 0) {
-      model.ResetMemory(x, memory);
-    } else {
-      model.Advance(x, piece.period_s, memory);
-    }
-    std::size_t at = 0;
-    for (std::size_t t = 0; t < model.terms.size(); ++t) {
-      const actuator::Term& term = model.terms[t];
-      std::array<double, effects::kMaxParameters> phi{};
-      const auto size = static_cast<std::size_t>(term.effect->memory_size());
-      term.effect->Regressors(x, actuator::NonlinearValues(term), {memory.data() + at, size},
-                              {phi.data(), term.linear.size()});
-      at += size;
-      for (std::size_t n = 0; n < term.linear.size(); ++n) {
-        if (column_of[t][n] < 0) {
-          target[i] += term.linear[n].value * phi[n];
-        } else {
-          full[static_cast<std::size_t>(column_of[t][n])][i] = -phi[n];
-        }
-      }
-    }
   }
-  out.target = Decimate(target, options.decimate);
-  out.columns.resize(out.target.size(), static_cast<Eigen::Index>(full.size()));
-  for (std::size_t c = 0; c < full.size(); ++c) {
-    out.columns.col(static_cast<Eigen::Index>(c)) = Decimate(full[c], options.decimate);
+  StateSet states;
+  states.segments.push_back(std::move(segment));
+  const Design design(std::move(states), Unfiltered({}, piece.rate_Hz()));
+  Balance out = MakeBalance(design, model, false);
+  const Eigen::MatrixXd full = std::move(out.columns);
+  out.target = Decimate(out.target, options.decimate);
+  out.columns.resize(out.target.size(), full.cols());
+  for (Eigen::Index c = 0; c < full.cols(); ++c) {
+    out.columns.col(c) = Decimate(full.col(c), options.decimate);
   }
   return out;
 }
 
-double Percent(const Regression& regression, const Eigen::VectorXd& b) {
-  return 100.0 * (regression.target - regression.columns * b).norm() / regression.target.norm();
+double Percent(const Balance& balance, const Eigen::VectorXd& b) {
+  return 100.0 * (balance.target - balance.columns * b).norm() / balance.target.norm();
 }
 
 void Fit(const types::Run& train, const types::Run& cross, const AsPublishedOptions& options,
          actuator::JointModel* model, double* percent, double* cross_percent) {
-  const Regression regression = Build(train, *model, options);
-  const Eigen::VectorXd b = regression.columns.colPivHouseholderQr().solve(regression.target);
-  for (std::size_t i = 0; i < regression.parameters.size(); ++i) {
-    const auto [term, linear] = regression.parameters[i];
-    model->terms[term].linear[linear].value = b[static_cast<Eigen::Index>(i)];
-  }
-  *percent = Percent(regression, b);
+  const Balance balance = Build(train, *model, options);
+  const Eigen::VectorXd b = balance.columns.colPivHouseholderQr().solve(balance.target);
+  balance.Apply(b, model);
+  *percent = Percent(balance, b);
   *cross_percent = Percent(Build(cross, *model, options), b);
 }
 
