@@ -124,7 +124,7 @@ Finding CheckOpenness(const Openness& own, const std::vector<node::Endpoint>& en
               "loopback alone: " + here + ", and nobody else, can command the robot", ""};
     }
     return {"network", Severity::kOk,
-            "through WireGuard: " + types::Joined({tunnelled.begin(), tunnelled.end()}) +
+            "through WireGuard: " + types::Joined(tunnelled) +
                 "; whoever has a key of the tunnel, and " + here + ", can command the robot",
             ""};
   }
