@@ -12,7 +12,7 @@
 #include <string>
 
 #include "bridge/can/bus_model.h"
-#include "components/base/config/socket_folder.h"
+#include "components/base/config/unix_socket.h"
 
 namespace sinew::can {
 
