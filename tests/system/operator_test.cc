@@ -105,15 +105,17 @@ TEST(Operator, AKilledControllerIsBridgedAndThenAFault) {
   EXPECT_EQ(fault.limit, 3000.0);
   EXPECT_GT(fault.value, fault.limit);
   // The same in the status and in the log, in words.
-  std::optional<msg::ComponentStatus> told;
+  std::optional<msg::ComponentStatus> status;
   const auto limit = std::chrono::steady_clock::now() + 10s;
   while (std::chrono::steady_clock::now() < limit) {
-    told = rig.statuses.WaitNext(1000ms);
-    if (told && told->name == "surrogate" && told->state == msg::ComponentState::kFault) break;
+    status = rig.statuses.WaitNext(1000ms);
+    if (status && status->name == "surrogate" && status->state == msg::ComponentState::kFault)
+      break;
   }
-  ASSERT_TRUE(told);
-  EXPECT_EQ(told->fault, fault) << told->message;
-  EXPECT_NE(told->message.find("joint_command missing for "), std::string::npos) << told->message;
+  ASSERT_TRUE(status);
+  EXPECT_EQ(status->fault, fault) << status->message;
+  EXPECT_NE(status->message.find("joint_command missing for "), std::string::npos)
+      << status->message;
   EXPECT_TRUE(rig.surrogate.WaitForText("fault: joint_command missing for ", 5s))
       << rig.surrogate.error();
   EXPECT_TRUE(rig.surrogate.WaitForText(" ms, limit 3000 ms: ", 1s)) << rig.surrogate.error();

@@ -24,12 +24,6 @@ namespace {
 constexpr int kClientBuffer_bytes = 512 * 1024;
 constexpr std::size_t kMostClients = 64;
 
-sockaddr_un AddressOf(const std::string& path) {
-  if (const auto address = config::SocketAddress(path)) return *address;
-  throw UsageError("bus socket '" + path + "': the path is longer than " +
-                   std::to_string(sizeof(sockaddr_un::sun_path) - 1) + " characters");
-}
-
 bool SomebodyListens(const sockaddr_un& address) {
   const config::Descriptor probe(::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0));
   return ::connect(probe.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0;
@@ -44,7 +38,9 @@ std::string BusSocketPath(const std::string& bus) {
 
 BusServer::BusServer(const std::string& bus, const BusConfig& config)
     : path_(BusSocketPath(bus)), folder_(config::FolderOf(path_)), model_(config) {
-  const sockaddr_un address = AddressOf(path_);
+  const auto address_of_path = config::SocketAddress(path_);
+  if (!address_of_path) throw UsageError("bus socket '" + path_ + "': the path is too long");
+  const sockaddr_un address = *address_of_path;
   listener_ =
       config::Descriptor(::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
   const int listener = listener_.get();

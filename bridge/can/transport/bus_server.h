@@ -13,7 +13,7 @@
 
 #include "bridge/can/bus_model.h"
 #include "components/base/config/descriptor.h"
-#include "components/base/config/socket_folder.h"
+#include "components/base/config/unix_socket.h"
 
 namespace sinew::can {
 

@@ -8,7 +8,7 @@
 #include <string>
 
 #include "bridge/can/transport/transport.h"
-#include "components/base/config/socket_folder.h"
+#include "components/base/config/unix_socket.h"
 
 namespace sinew::can {
 

@@ -1,4 +1,5 @@
-// Unix sockets in the file system: their addresses, and who is at the other end.
+// Unix sockets in the file system: their addresses, folders, and who is at the other end: at
+// predictable paths another user's may stand.
 #pragma once
 
 #include <sys/socket.h>
@@ -38,5 +39,20 @@ inline ucred PeerOf(int socket) {
   (void)::getsockopt(socket, SOL_SOCKET, SO_PEERCRED, &peer, &size);
   return peer;
 }
+
+// The folder of a socket. Reads the file system and allocates: not for loops.
+struct SocketFolder {
+  uid_t owner = 0;
+  std::string problem;  // empty: a folder to which nobody but its owner and root can write
+
+  // A user who may open a socket there, or answer: root, this process' user, the folder's owner.
+  bool Admits(uid_t user) const;
+};
+SocketFolder FolderOf(const std::filesystem::path& socket);
+
+// The path of a socket of that name for this user's own programs: in $XDG_RUNTIME_DIR, else in
+// /tmp/sinew-UID, which is made; either counts only where it is this user's and nobody else may
+// write to it. Throws UsageError: neither is.
+std::filesystem::path PrivateSocket(const std::string& name);
 
 }  // namespace sinew::config

@@ -14,7 +14,7 @@
 #include <string>
 #include <vector>
 
-#include "components/base/config/socket_folder.h"
+#include "components/base/config/unix_socket.h"
 
 namespace sinew::estop {
 

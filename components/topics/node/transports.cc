@@ -6,7 +6,6 @@
 #include <fastdds/rtps/transport/shared_mem/SharedMemTransportDescriptor.h>
 #include <fastrtps/utils/IPLocator.h>
 #include <fcntl.h>
-#include <semaphore.h>
 #include <spdlog/spdlog.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
@@ -14,8 +13,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
-#include <cstdarg>
 #include <filesystem>
 #include <string_view>
 
@@ -183,14 +180,10 @@ void RestrictTransports(const Options& options, dds::DomainParticipantQos* qos) 
 }
 
 void RestrictSharedMemory() {
-  // Segments and ports, and the semaphores that guard them.
-  constexpr std::array<std::string_view, 2> kPrefixes = {"fastrtps_", "sem.fastrtps_"};
   std::error_code ignored;  // one of a participant that has ended meanwhile
   for (const auto& entry : std::filesystem::directory_iterator("/dev/shm", ignored)) {
-    const std::string name = entry.path().filename().string();
-    const bool ours = std::any_of(kPrefixes.begin(), kPrefixes.end(),
-                                  [&name](auto prefix) { return name.rfind(prefix, 0) == 0; });
-    // Refused for files of other users.
+    // Or behind "sem."; refused for files of other users.
+    const bool ours = entry.path().filename().string().rfind("fastrtps_", 4) != std::string::npos;
     if (ours) ::chmod(entry.path().c_str(), S_IRUSR | S_IWUSR);
   }
 }
@@ -223,15 +216,4 @@ int fchmod(int file, mode_t mode) noexcept {
   if (file >= 0 && file == made_here) mode &= kOwnersAlone;
   made_here = -1;
   return static_cast<int>(::syscall(SYS_fchmod, file, mode));
-}
-
-sem_t* sem_open(const char* name, int flags, ...) noexcept {
-  static const auto kOpen = OfLibc<sem_t* (*)(const char*, int, ...)>("sem_open");
-  if ((flags & O_CREAT) == 0) return kOpen(name, flags);
-  std::va_list more;
-  va_start(more, flags);
-  const mode_t mode = va_arg(more, mode_t);
-  const unsigned value = va_arg(more, unsigned);
-  va_end(more);
-  return kOpen(name, flags, mode & kOwnersAlone, value);
 }

@@ -19,9 +19,9 @@ namespace sinew::node::internal {
 // neither a key nor DDS security.
 void RestrictTransports(const Options& options, eprosima::fastdds::dds::DomainParticipantQos* qos);
 
-// Shared memory is not filtered. Segments, ports and semaphores are made for their user alone, by
-// definitions of shm_open, fchmod and sem_open in transports.cc; the locks beside them, empty files
-// that others could hold, become so here, after the participant has made them.
+// Shared memory is not filtered. Segments and ports are made for their user alone, by definitions
+// of shm_open and fchmod in transports.cc; locks and semaphores, which hold no data and nobody else
+// may write to, become so here, after the participant has made them.
 void RestrictSharedMemory();
 
 }  // namespace sinew::node::internal

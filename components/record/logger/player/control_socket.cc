@@ -14,7 +14,6 @@
 
 #include "components/base/config/config.h"
 #include "components/base/config/descriptor.h"
-#include "components/base/config/socket_folder.h"
 #include "components/base/config/unix_socket.h"
 
 namespace sinew::logger {

@@ -278,9 +278,7 @@ class Provider {
   // Why the command was refused, where the result does not say it all.
   std::string OnOperator(OperatorResult result, types::OperatorAction action,
                          std::string_view reason) {
-    if (action == types::OperatorAction::kDisarm || action == types::OperatorAction::kEstop) {
-      arm_is_due_ = false;
-    }
+    if (result == OperatorResult::kDone) arm_is_due_ = false;  // armed, disarmed or stopped
     if (action == types::OperatorAction::kEstop) desk_->OnEstop(reason);
     if (result == OperatorResult::kUnlatchFirst) desk_->OnReset();
     const std::string why = ArmRefusal(result);

@@ -11,7 +11,7 @@
 #include <string>
 
 #include "components/base/config/config.h"
-#include "components/base/config/socket_folder.h"
+#include "components/base/config/unix_socket.h"
 #include "components/base/config/whole_file.h"
 #include "tests/support/temporary_folder.h"
 

@@ -1,4 +1,4 @@
-#include "components/base/config/socket_folder.h"
+#include "components/base/config/unix_socket.h"
 
 #include <fcntl.h>
 #include <sys/stat.h>
@@ -6,7 +6,6 @@
 
 #include <cerrno>
 #include <cstdlib>
-#include <cstring>
 
 #include "components/base/config/config.h"
 #include "components/base/config/descriptor.h"
@@ -33,21 +32,19 @@ SocketFolder FolderOf(const fs::path& socket) {
 }
 
 fs::path PrivateSocket(const std::string& name) {
-  const char* runtime = std::getenv("XDG_RUNTIME_DIR");
-  if (runtime != nullptr && runtime[0] == '/') {
-    const fs::path socket = fs::path(runtime) / name;
+  const auto is_own = [](const fs::path& socket) {
     const SocketFolder folder = FolderOf(socket);
-    if (folder.problem.empty() && folder.owner == ::geteuid()) return socket;
+    return folder.problem.empty() && folder.owner == ::geteuid();
+  };
+  const char* runtime = std::getenv("XDG_RUNTIME_DIR");
+  if (runtime != nullptr && runtime[0] == '/' && is_own(fs::path(runtime) / name)) {
+    return fs::path(runtime) / name;
   }
   const fs::path own = "/tmp/sinew-" + std::to_string(::geteuid());
   (void)::mkdir(own.c_str(), S_IRWXU);
-  const SocketFolder folder = FolderOf(own / name);
-  if (folder.problem.empty() && folder.owner == ::geteuid()) return own / name;
-  throw UsageError("socket " + (own / name).string() + ": " +
-                   (folder.problem.empty()
-                        ? "its folder belongs to user " + std::to_string(folder.owner)
-                        : folder.problem) +
-                   "; expected a folder of this user alone, there or as XDG_RUNTIME_DIR");
+  if (is_own(own / name)) return own / name;
+  throw UsageError(own.string() + ": expected a folder to which this user alone may write, there " +
+                   "or as XDG_RUNTIME_DIR, for its sockets");
 }
 
 }  // namespace sinew::config
