@@ -1,4 +1,5 @@
 #include "components/base/types/joined.h"
+#include "components/base/types/seconds.h"
 #include "components/model/report/errors.h"
 #include "components/model/report/page_parts.h"
 #include "components/model/report/report.h"
@@ -34,11 +35,15 @@ Section EffectSection(const trace::TraceResult& trace,
   return out;
 }
 
-Section EventSection(const trace::TraceResult& trace) {
-  Section out = TableSection("Events", {"event", "recording", "began at, s"});
-  for (const trace::EventTime& event : trace.events) {
+Section EventSection(const Report& report) {
+  Section out = TableSection("Events", {"event", "recording", "began, s after its start"});
+  for (const trace::EventTime& event : report.trace.events) {
+    double after_s = event.start_s;
+    for (const Recording& recording : event.held_out ? report.held_out : report.train) {
+      if (recording.name == event.recording) after_s = event.start_s - recording.start_s;
+    }
     out.Add({event.effect, event.recording + (event.held_out ? " (held out)" : ""),
-             Short(event.start_s)});
+             types::SecondsText(after_s)});
   }
   return out;
 }
@@ -289,7 +294,7 @@ Page MakePage(const Report& report, std::vector<Picture> pictures) {
       EffectSection(trace, trace.effects, "Effects found",
                     "p of the whole search: " + GlobalP(trace) +
                         ". In the model, the one that training misses most first."),
-      EventSection(trace),
+      EventSection(report),
       next,
       EffectSection(trace, trace.open, "Open",
                     "Supported by the training recordings, but too little speaks for the names. "
