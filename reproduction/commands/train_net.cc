@@ -148,6 +148,7 @@ void TrainNet(const NetOptions& options, const tools::TrainOptions& data) {
   const double seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   const double scale = model.output.scale(0);
+  const double test_error = samples.test.size() > 0 ? result.test_mse : 0.0;
   if (data.json) {
     const nlohmann::ordered_json json = {{"net", options.net},
                                          {"task", options.task},
@@ -165,6 +166,7 @@ void TrainNet(const NetOptions& options, const tools::TrainOptions& data) {
                                           {{"samples", samples.test.size()},
                                            {"mse_normalised", result.test_mse},
                                            {"rms", scale * std::sqrt(result.test_mse)}}},
+                                         {"worse_than_mean", tools::IsWorseThanTheMean(test_error)},
                                          {"time_s", seconds}};
     std::cout << types::JsonText(json, 2) << '\n';
     return;
@@ -187,6 +189,8 @@ void TrainNet(const NetOptions& options, const tools::TrainOptions& data) {
               scale * std::sqrt(result.train_mse), unit.c_str(), samples.train.size());
   std::printf("test   MSE %.5f of the variance, rms %.5f %s, %zu samples\n", result.test_mse,
               scale * std::sqrt(result.test_mse), unit.c_str(), samples.test.size());
+  std::fflush(stdout);
+  tools::WarnOfWorseThanTheMean(test_error);
   std::printf("%s written, %.2f s\n", data.out.string().c_str(), seconds);
 }
 

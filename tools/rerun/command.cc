@@ -283,12 +283,14 @@ int RunCommand(const RerunOptions& options) {
       options.deployment.empty() ? UnpackDeployment(reader, file, folder.path())
                                  : options.deployment,
       overrides);
-  RerunInput input{.file = file,
-                   .session = sessions[options.session - 1],
-                   .mode = ModeOf(reader, file),
-                   .parts = PartsOf(deployment, options.components),
-                   .from_s = options.from_s,
-                   .all_differences = options.all_differences || !options.picture.empty()};
+  RerunInput input{
+      .file = file,
+      .session = sessions[options.session - 1],
+      .mode = ModeOf(reader, file,
+                     deployment.lockstep ? node::TimeMode::kLockstep : node::TimeMode::kRealtime),
+      .parts = PartsOf(deployment, options.components),
+      .from_s = options.from_s,
+      .all_differences = options.all_differences || !options.picture.empty()};
   if (!options.edits.empty()) {
     std::vector<Edit> edits;
     for (const std::string& text : options.edits) edits.push_back(ParseEdit(text));

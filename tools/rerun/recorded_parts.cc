@@ -88,7 +88,8 @@ std::vector<compose::Part> PartsOf(const launch::Deployment& deployment,
   return parts;
 }
 
-node::TimeMode ModeOf(const recording::McapReader& reader, const std::string& file) {
+node::TimeMode ModeOf(const recording::McapReader& reader, const std::string& file,
+                      std::optional<node::TimeMode> deployed) {
   for (const recording::McapMetadata& metadata : reader.ReadMetadata()) {
     if (metadata.name != "sinew.recording") continue;
     const auto mode = metadata.values.find("mode");
@@ -96,6 +97,7 @@ node::TimeMode ModeOf(const recording::McapReader& reader, const std::string& fi
     if (mode->second == "lockstep") return node::TimeMode::kLockstep;
     if (mode->second == "realtime") return node::TimeMode::kRealtime;
   }
+  if (deployed) return *deployed;
   throw UsageError(file +
                    ": its metadata do not say the mode, expected a recording by sinew-logger");
 }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -25,7 +26,9 @@ std::filesystem::path UnpackDeployment(const recording::McapReader& reader, cons
 std::vector<compose::Part> PartsOf(const launch::Deployment& deployment,
                                    const std::vector<std::string>& names);
 
-// As the recording's metadata say ("mode" of sinew.recording). Throws UsageError without them.
-node::TimeMode ModeOf(const recording::McapReader& reader, const std::string& file);
+// As the recording's metadata say ("mode" of sinew.recording); where tools have dropped them, that
+// of the deployment with its --set. Throws UsageError without either.
+node::TimeMode ModeOf(const recording::McapReader& reader, const std::string& file,
+                      std::optional<node::TimeMode> deployed = std::nullopt);
 
 }  // namespace sinew::rerun

@@ -139,30 +139,31 @@ nlohmann::ordered_json ScoreJson(const esn::Score& score) {
           {"normalised", score.normalised.mean()}};
 }
 
-// The mean of the target, said at every sample, has an error of the whole variance.
-bool IsWorseThanTheMean(const esn::Score& score) {
-  return score.samples > 0 && score.normalised.mean() >= 1.0;
+// 0 without samples: nothing is known then.
+double ErrorOf(const esn::Score& score) {
+  return score.samples > 0 ? score.normalised.mean() : 0.0;
 }
 
 void PrintOutcome(const TrainOptions& options, const Outcome& outcome) {
   const esn::TrainingResult& result = outcome.result;
   const esn::Weights& weights = result.weights;
   if (options.json) {
-    const nlohmann::ordered_json json = {{"network", weights.network},
-                                         {"weights", options.out.string()},
-                                         {"parameters", weights.readout.size()},
-                                         {"neurons", weights.neurons()},
-                                         {"inputs", weights.input_count()},
-                                         {"ridge_beta", weights.ridge_beta},
-                                         {"effective_parameters", result.effective_parameters},
-                                         {"recorded_s", outcome.data.duration_s},
-                                         {"samples", outcome.data.samples},
-                                         {"samples_inside_backlash", outcome.data.inside},
-                                         {"play_centre_rad", outcome.data.play_centre_rad},
-                                         {"train", ScoreJson(result.train)},
-                                         {"test", ScoreJson(result.test)},
-                                         {"worse_than_mean", IsWorseThanTheMean(result.test)},
-                                         {"time_s", outcome.seconds}};
+    const nlohmann::ordered_json json = {
+        {"network", weights.network},
+        {"weights", options.out.string()},
+        {"parameters", weights.readout.size()},
+        {"neurons", weights.neurons()},
+        {"inputs", weights.input_count()},
+        {"ridge_beta", weights.ridge_beta},
+        {"effective_parameters", result.effective_parameters},
+        {"recorded_s", outcome.data.duration_s},
+        {"samples", outcome.data.samples},
+        {"samples_inside_backlash", outcome.data.inside},
+        {"play_centre_rad", outcome.data.play_centre_rad},
+        {"train", ScoreJson(result.train)},
+        {"test", ScoreJson(result.test)},
+        {"worse_than_mean", IsWorseThanTheMean(ErrorOf(result.test))},
+        {"time_s", outcome.seconds}};
     std::cout << types::JsonText(json, 2) << '\n';
     return;
   }
@@ -177,11 +178,7 @@ void PrintOutcome(const TrainOptions& options, const Outcome& outcome) {
         result.gcv.empty() ? "" : " by generalised cross-validation");
   PrintScore("train", result.train);
   PrintScore("test", result.test);
-  if (IsWorseThanTheMean(result.test)) {
-    std::cerr
-        << "warning: on the test samples this network is worse than the target's mean, that is, "
-           "than none: longer or richer recordings, fewer neurons, or other inputs\n";
-  }
+  WarnOfWorseThanTheMean(ErrorOf(result.test));
   for (std::size_t j = 0; outcome.outputs.size() > 1 && j < outcome.outputs.size(); ++j) {
     const auto k = static_cast<Eigen::Index>(j);
     Print("       %-20s rms %.4f Nm of the training samples", outcome.outputs[j].c_str(),
@@ -196,6 +193,12 @@ void PrintOutcome(const TrainOptions& options, const Outcome& outcome) {
 }
 
 }  // namespace
+
+void WarnOfWorseThanTheMean(double mse_normalised) {
+  if (!IsWorseThanTheMean(mse_normalised)) return;
+  std::cerr << "warning: on the test samples this network is worse than the target's mean, that "
+               "is, than none: longer or richer recordings, fewer neurons, or other inputs\n";
+}
 
 void AddTrainCommand(CLI::App& app, const OtherNetworks& others) {
   CLI::App* command = app.add_subcommand("train", "Train a network on recordings");

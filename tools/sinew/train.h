@@ -35,6 +35,11 @@ struct OtherNetworks {
   std::function<void(const TrainOptions& options)> train;
 };
 
+// Errors are shares of the target's variance: the mean of the target, said at every sample, has 1.
+inline bool IsWorseThanTheMean(double mse_normalised) { return !(mse_normalised < 1.0); }
+// Warns on stderr of a network that is, by its error on the test samples.
+void WarnOfWorseThanTheMean(double mse_normalised);
+
 // others: nothing where none are built.
 void AddTrainCommand(CLI::App& app, const OtherNetworks& others = {});
 

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "components/base/config/config.h"
+#include "components/base/types/seconds.h"
 #include "components/bodies/links/file/urdf_file.h"
 #include "components/model/close_loop/builders.h"
 #include "components/model/identify/interpolated.h"
@@ -74,8 +75,8 @@ std::vector<report::Recording> Described(const std::vector<types::Run>& runs) {
   std::vector<report::Recording> out;
   out.reserve(runs.size());
   for (const types::Run& run : runs) {
-    out.push_back(
-        {run.name, run.content_hash, run.size(), run.time_s[run.size() - 1] - run.time_s[0]});
+    out.push_back({run.name, run.content_hash, run.size(),
+                   run.time_s[run.size() - 1] - run.time_s[0], run.time_s[0]});
   }
   return out;
 }
@@ -113,8 +114,10 @@ void RequireRotation(const Options& options, const std::vector<types::Run>& runs
                      "(each is held out once)");
   }
   const Eigen::VectorXd& time_s = runs.front().time_s;
-  const std::string middle =
-      report::Short(std::floor(0.7 * (time_s[time_s.size() - 1] - time_s[0])));
+  const double length_s = time_s[time_s.size() - 1] - time_s[0];
+  double middle_s = std::floor(time_s[0] + 0.7 * length_s);  // on the recording's own stamps
+  if (middle_s < time_s[0] + 0.5 * length_s) middle_s = time_s[0] + 0.7 * length_s;
+  const std::string middle = types::SecondsText(middle_s);
   const std::string whole = file.substr(0, file.find('@'));
   throw UsageError(
       "one recording and nothing held out, expected --held-out, further recordings to "

@@ -18,8 +18,25 @@ using types::Signal;
 
 struct Sampling {
   double rate_Hz = 0.0, jitter_s = 0.0;
+  double set_forward_s = 0.0;
   Eigen::Index lost = 0;
 };
+
+// Does the angle go on from row i - 1 to i by the step of about one period, as fast before and
+// behind? Over a gap of twenty periods and more, rows that are lost would have moved it farther.
+bool GoesOn(const Run& run, Eigen::Index i) {
+  constexpr Eigen::Index kAround = 5;
+  for (const Signal angle : {Signal::kPosition, Signal::kMotorPosition}) {
+    if (!run.Has(angle) || i <= kAround || i + kAround >= run.size()) continue;
+    const Eigen::VectorXd& q = run.At(angle);
+    const double before = (q[i - 1] - q[i - 1 - kAround]) / kAround;
+    const double behind = (q[i + kAround] - q[i]) / kAround;
+    const double step = 0.5 * (before + behind);
+    return before * behind > 0.0 && std::abs(before - behind) < 0.5 * std::abs(step) &&
+           std::abs(q[i] - q[i - 1] - step) < 2.0 * std::abs(step);
+  }
+  return false;
+}
 
 // Stamps against whole periods; rows that no even count explains are irregular, not lost.
 Sampling SamplingOf(const Run& run) {
@@ -31,7 +48,11 @@ Sampling SamplingOf(const Run& run) {
   for (Eigen::Index i = 1; i < run.size(); ++i) {
     const double steps = (run.time_s[i] - run.time_s[i - 1]) / period;
     const double whole = std::max(1.0, std::round(steps));
-    out.lost += static_cast<Eigen::Index>(whole) - 1;
+    if (whole >= 20.0 && GoesOn(run, i)) {
+      out.set_forward_s += (steps - 1.0) * period;
+    } else {
+      out.lost += static_cast<Eigen::Index>(whole) - 1;
+    }
     off.push_back((steps - whole) * period);
   }
   double squares = 0.0;
@@ -163,7 +184,7 @@ std::vector<Finding> FindSampling(const std::vector<Run>& runs) {
   std::vector<Sampling> samplings;
   std::vector<double> rates_Hz;
   Eigen::Index lost = 0, interpolated = 0;
-  double set_back_s = 0.0;
+  double set_back_s = 0.0, set_forward_s = 0.0;
   double jitter = 0.0, jitter_s = 0.0;  // the largest, as a share of the period and in seconds
   for (const Run& run : runs) {
     samplings.push_back(SamplingOf(run));
@@ -172,6 +193,7 @@ std::vector<Finding> FindSampling(const std::vector<Run>& runs) {
     lost += at.lost;
     interpolated += run.interpolated_rows;
     set_back_s += run.clock_set_back_s;
+    set_forward_s += at.set_forward_s;
     if (at.jitter_s * at.rate_Hz <= jitter) continue;
     jitter = at.jitter_s * at.rate_Hz;
     jitter_s = at.jitter_s;
@@ -188,6 +210,14 @@ std::vector<Finding> FindSampling(const std::vector<Run>& runs) {
                    "the clock of the recording was set back by " + types::SecondsText(set_back_s) +
                        " s; rows are in the order of their ticks, and time goes on",
                    set_back_s, "s"});
+  }
+  if (set_forward_s > 0.0) {
+    out.push_back({"clock_set_forward",
+                   "the clock of the recording was set forward by " +
+                       types::SecondsText(set_forward_s) +
+                       " s, over which the motion goes on as in one period; what lies around it "
+                       "is left out",
+                   set_forward_s, "s"});
   }
   if (interpolated > 0) {
     out.push_back({"interpolated_rows",

@@ -1,4 +1,5 @@
 #include "components/base/types/joined.h"
+#include "components/base/types/seconds.h"
 #include "components/model/report/errors.h"
 #include "components/model/report/page_parts.h"
 #include "components/model/report/report.h"
@@ -35,11 +36,15 @@ Section EffectSection(const trace::TraceResult& trace,
   return out;
 }
 
-Section EventSection(const trace::TraceResult& trace) {
-  Section out = TableSection("Events", {"event", "recording", "began at, s"});
-  for (const trace::EventTime& event : trace.events) {
+Section EventSection(const Report& report) {
+  Section out = TableSection("Events", {"event", "recording", "began, s after its start"});
+  for (const trace::EventTime& event : report.trace.events) {
+    double after_s = event.start_s;
+    for (const Recording& recording : event.held_out ? report.held_out : report.train) {
+      if (recording.name == event.recording) after_s = event.start_s - recording.start_s;
+    }
     out.Add({event.effect, event.recording + (event.held_out ? " (held out)" : ""),
-             Short(event.start_s)});
+             types::SecondsText(after_s)});
   }
   return out;
 }
@@ -291,7 +296,7 @@ Page MakePage(const Report& report, std::vector<Picture> pictures) {
                         ". In the model, the one that training misses most first. Simulation, "
                         "controllers and sinew-residual load model.yaml as it is; sinew verify "
                         "simulates it and the declared model beside a recording."),
-      EventSection(trace),
+      EventSection(report),
       next,
       ErrorSection(report),
       EffectSection(trace, trace.open, "Open",

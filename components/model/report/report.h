@@ -23,6 +23,7 @@ struct Recording {
   std::string content_hash;
   Eigen::Index rows = 0;
   double duration_s = 0.0;
+  double start_s = 0.0;  // on its own stamps
 };
 
 // "a.mcap, b.mcap".

@@ -99,6 +99,7 @@ TEST(RecordedParts, AttachedFilesAreADeployment) {
   EXPECT_EQ(config::ReadFile(recorded.target() / "abs/rig/regime.yaml"),
             "schema: sinew-regime/1\n");
   EXPECT_EQ(ModeOf(reader, "run.mcap"), node::TimeMode::kLockstep);
+  EXPECT_EQ(ModeOf(reader, "run.mcap", node::TimeMode::kRealtime), node::TimeMode::kLockstep);
 }
 
 TEST(RecordedParts, AnAttachmentThatLeadsOutOfItsFolderIsRefused) {
@@ -118,6 +119,7 @@ TEST(RecordedParts, WithoutAttachmentsOrMetadataTheRecordingIsRefused) {
             "run.mcap: no deployment is attached, expected --deployment FILE");
   EXPECT_NE(UsageErrorOf([&] { (void)ModeOf(reader, "run.mcap"); }).find("do not say the mode"),
             std::string::npos);
+  EXPECT_EQ(ModeOf(reader, "run.mcap", node::TimeMode::kRealtime), node::TimeMode::kRealtime);
 }
 
 // Two sessions; in the first one the clock was set back by 6 s at tick 600 of 1400.

@@ -260,7 +260,11 @@ TEST_F(RecordedPlot, TopicsThatNobodyReadsAreLeftOutWithOneWarning) {
   recording::McapWriter writer(sink);
   recording::ChannelId joint{}, status{}, note{};
   ASSERT_TRUE(writer.Open().ok());
-  ASSERT_TRUE(recording::AddTopic(testing::SchemaOf("joint_state"), &writer, &joint).ok());
+  const recording::TopicSchema known = testing::SchemaOf("joint_state");
+  recording::SchemaId schema{};
+  ASSERT_TRUE(writer.AddSchema(known.type_name, "omgidl", known.idl, &schema).ok());
+  ASSERT_TRUE(
+      writer.AddChannel(schema, "joint_state", "cdr", {{"participant", "rig"}}, &joint).ok());
   ASSERT_TRUE(
       writer.AddChannel(recording::SchemaId{}, "component_status", "json", {}, &status).ok());
   ASSERT_TRUE(writer.AddChannel(recording::SchemaId{}, "note", "json", {}, &note).ok());

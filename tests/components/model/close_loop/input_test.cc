@@ -14,6 +14,7 @@
 #include "components/base/config/config.h"
 #include "components/model/actuator/file/model_file.h"
 #include "components/model/identify/file/processing_file.h"
+#include "components/model/report/file/section_file.h"
 #include "tests/components/model/close_loop/example_options.h"
 #include "tests/components/model/trace/plain_fit.h"
 #include "tests/support/temporary_folder.h"
@@ -39,7 +40,7 @@ std::string ErrorOf(const std::function<void()>& call) {
 constexpr double kStiffness = 2.5, kRest = 0.3, kCoulomb = 0.4;
 
 // A spring without inertia moved slowly, 100 Hz, 20 s, recorded to 1e-6 Nm.
-std::string SpringCsv() {
+std::string SpringCsv(double start_s = 0.0) {
   std::string csv = "t,q,v,tau\n";
   char row[128];
   for (int k = 0; k < 2000; ++k) {
@@ -47,7 +48,7 @@ std::string SpringCsv() {
     const double q = 0.8 * std::sin(0.9 * t) + 0.3 * std::sin(2.3 * t + 0.4);
     const double v = 0.72 * std::cos(0.9 * t) + 0.69 * std::cos(2.3 * t + 0.4);
     const double tau = kStiffness * (q - kRest) + kCoulomb * (v > 0.0 ? 1.0 : -1.0);
-    std::snprintf(row, sizeof row, "%.3f,%.9f,%.9f,%.6f\n", t, q, v, tau);
+    std::snprintf(row, sizeof row, "%.3f,%.9f,%.9f,%.6f\n", start_s + t, q, v, tau);
     csv += row;
   }
   return csv;
@@ -113,6 +114,33 @@ TEST_F(CloseLoopInput, OneRecordingAndNothingHeldOutIsRefusedWithTheWayToSplitIt
   const std::string csv = options.train[0].string();
   EXPECT_THAT(ErrorOf([&] { CloseLoop(options); }),
               HasSubstr("--train " + csv + "@:13 --held-out " + csv + "@13:"));
+}
+
+// Stamps since 1970, as every live robot has.
+TEST_F(CloseLoopInput, StampsKeepTheirDigits) {
+  constexpr double kEpoch_s = 1'700'000'000.25;
+  Options options = SpringOptions();
+  const std::string csv = Write("epoch.csv", SpringCsv(kEpoch_s));
+  options.train = {csv};
+  options.held_out.clear();
+  const std::string split = "--train " + csv + "@:1700000014 --held-out " + csv + "@1700000014:";
+  EXPECT_THAT(ErrorOf([&] { CloseLoop(options); }), HasSubstr(split));
+  options.train = {csv + "@:1700000014"};
+  options.held_out = {csv + "@1700000014:"};
+  options.given = {"stribeck"};
+  const Result result = CloseLoop(options);
+  EXPECT_LT(result.joints[0].trace.before_held_out.percent, 1.0);
+  EXPECT_THAT(report::DrawnHtml(result.page), AllOf(HasSubstr("<svg"), Not(HasSubstr("1.7e+09"))));
+  // A fault of the data has its page and pictures as well.
+  std::istringstream good(SpringCsv(kEpoch_s));
+  std::string spikes, line;
+  for (int row = 0; std::getline(good, line); ++row) {
+    spikes += (row % 150 == 75 ? line.substr(0, line.rfind(',')) + ",90" : line) + "\n";
+  }
+  Write("epoch.csv", spikes);
+  const Result fault = CloseLoop(options);
+  EXPECT_THAT(fault.json, HasSubstr("\"verdict\": \"data_fault\""));
+  EXPECT_THAT(report::DrawnHtml(fault.page), AllOf(HasSubstr("<svg"), Not(HasSubstr("1.7e+09"))));
 }
 
 TEST_F(CloseLoopInput, ASimulationNeedsInertiaAndAHeldOutRecording) {

@@ -336,6 +336,39 @@ TEST(Gate, EachRateIsNamedWithItsRecordings) {
   EXPECT_NEAR(rate_of({0.002, 0.003}).value, 0.5 * (500.0 + 1000.0 / 3.0), 0.1);
 }
 
+TEST(Gate, AClockThatWasSetBackOrForwardIsAFinding) {
+  const GateReport plain = ExamineData(Recorded().train, Recorded().declared);
+  EXPECT_EQ(FindingText(plain, "clock_set_back"), "");
+  EXPECT_EQ(FindingText(plain, "clock_set_forward"), "");
+  scene::Recorded recorded = Recorded();
+  types::Run& run = recorded.train.front();
+  run.clock_set_back_s = 0.25;
+  // Where it moves fast, an hour later.
+  const Eigen::VectorXd& q = run.At(Signal::kPosition);
+  Eigen::Index at = 10;
+  for (Eigen::Index i = 10; i + 10 < run.size(); ++i) {
+    if (std::abs(q[i] - q[i - 1]) > std::abs(q[at] - q[at - 1])) at = i;
+  }
+  run.time_s.tail(run.size() - at).array() += 3600.0;
+  const GateReport report = ExamineData(recorded.train, recorded.declared);
+  EXPECT_EQ(FindingText(report, "clock_set_back"),
+            "the clock of the recording was set back by 0.25 s; rows are in the order of their "
+            "ticks, and time goes on");
+  EXPECT_EQ(FindingText(report, "clock_set_forward"),
+            "the clock of the recording was set forward by 3600 s, over which the motion goes on "
+            "as in one period; what lies around it is left out");
+  EXPECT_EQ(FindingText(report, "lost_rows"), FindingText(plain, "lost_rows"));
+  // Rows that are lost there are no clock.
+  recorded.train.front() = Recorded().train.front();
+  types::Run& cut = recorded.train.front();
+  std::vector<Eigen::Index> rows;
+  for (Eigen::Index i = 0; i < 40; ++i) rows.push_back(at + i);
+  cut = WithoutRows(recorded.train, {{.run = 0, .signal = "position", .rows = rows}}).front();
+  const GateReport lost = ExamineData(recorded.train, recorded.declared);
+  EXPECT_EQ(FindingText(lost, "clock_set_forward"), "");
+  EXPECT_EQ(FindingText(lost, "lost_rows"), "40 rows are lost; what lies around them is left out");
+}
+
 TEST(Gate, TemperatureInKelvinHundredthsInOneRecordingDiffersFromTheOthers) {
   scene::Recorded recorded = Recorded();
   recorded.train.back().signals[Signal::kTemperature] *= 100.0;
