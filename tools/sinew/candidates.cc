@@ -221,7 +221,9 @@ Candidates CommandsBelow(const Typed& typed, const CLI::Option&) {
   for (const std::string& name : typed.positionals) {
     if (app != nullptr) app = ChildNamed(*app, name);
   }
-  return app == nullptr ? Candidates() : CommandWords(*app);
+  Candidates words = app == nullptr ? Candidates() : CommandWords(*app);
+  for (Candidate& word : words) word.description.clear();  // values here, not commands
+  return words;
 }
 
 // Values by what type and help of an option say of them; the first pattern counts.

@@ -110,9 +110,10 @@ TEST(BashCompletion, OffersTheProcessesOfTheDeploymentThatIsTyped) {
   folder.Write("two.yaml",
                "schema: sinew-deployment/1\nprocesses:\n  - {name: rig, program: a}\n"
                "  - {name: control, program: b}\n  - {name: $(touch x), program: c}\n");
-  const auto offered = [&](std::vector<std::string> words) {
-    words.insert(words.begin(), {"launch", "two.yaml"});
-    return Offered(words, folder.path());
+  const auto offered = [&](const std::vector<std::string>& words) {
+    std::vector<std::string> all = {"launch", "two.yaml"};
+    all.insert(all.end(), words.begin(), words.end());
+    return Offered(all, folder.path());
   };
   EXPECT_THAT(offered({"--without", ""}), UnorderedElementsAre("rig", "control"));
   EXPECT_THAT(offered({"--compose", "rig,co"}), ElementsAre("rig,control"));
