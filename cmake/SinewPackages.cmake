@@ -25,10 +25,12 @@ add_custom_command(OUTPUT ${pages}/done
   ${page_commands}
   COMMAND $<TARGET_FILE:sinew_command> completion bash > ${pages}/sinew
   COMMAND $<TARGET_FILE:sinew_command> completion zsh > ${pages}/_sinew
+  COMMAND $<TARGET_FILE:sinew_command> completion fish > ${pages}/sinew.fish
   COMMAND ${CMAKE_COMMAND} -E touch ${pages}/done
   DEPENDS ${programs} tools/debian/man_pages.py VERBATIM)
 install(FILES ${pages}/sinew DESTINATION share/bash-completion/completions COMPONENT core EXCLUDE_FROM_ALL)
 install(FILES ${pages}/_sinew DESTINATION share/zsh/vendor-completions COMPONENT core EXCLUDE_FROM_ALL)
+install(FILES ${pages}/sinew.fish DESTINATION share/fish/vendor_completions.d COMPONENT core EXCLUDE_FROM_ALL)
 # All that the packages hold.
 get_property(modules GLOBAL PROPERTY SINEW_MODULES)
 add_custom_target(package_contents DEPENDS ${pages}/done ${programs} ${modules})

@@ -157,7 +157,8 @@ void AddExportCommand(CLI::App& app) {
       ->check(CLI::IsMember({"csv", "npz", "ros2bag"}));
   command->add_option("--out", options->out, "Folder or file to write; must not be there")
       ->required();
-  command->add_option("--topic", options->topics, "Only this topic; may be repeated (csv, npz)");
+  command->add_option("--topic", options->topics, "Only this topic; may be repeated (csv, npz)")
+      ->type_name("TOPIC");
   command
       ->add_option("--model", options->model,
                    "Names of joints and links (ros2bag): schema sinew-model/1")

@@ -330,7 +330,7 @@ void AddRerunCommand(CLI::App& app) {
       ->add_option("--component", options->components,
                    "Processes of the deployment, NAME,NAME; all that can run in process by default")
       ->delimiter(',')
-      ->type_name("NAME");
+      ->type_name("PROCESS");
   command
       ->add_option("--deployment", options->deployment,
                    "Deployment that was recorded; the attached one by default")

@@ -353,6 +353,7 @@ void AddEchoCommand(CLI::App& app) {
   command
       ->add_option("--field", options->fields,
                    "Only this field, e.g. position_rad[0], or all of a list; may be repeated")
+      ->type_name("FIELD")
       ->allow_extra_args(false);
   CLI::Option* count =
       command->add_option("-n,--count", options->count, "Stop after so many messages");
@@ -371,6 +372,7 @@ void AddEchoCommand(CLI::App& app) {
           ->add_option("--plot", options->plot,
                        "Draw this field over time instead of printing, e.g. position_rad[0]; may "
                        "be repeated")
+          ->type_name("FIELD")
           ->allow_extra_args(false);
   command->add_option("--png", options->png, "Write the plot of the end to this PNG file, too")
       ->needs(plot);

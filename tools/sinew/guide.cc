@@ -86,7 +86,7 @@ void PrintHelp(const CLI::App& app, const std::vector<std::string>& path) {
 void AddGuide(CLI::App& app) {
   auto path = std::make_shared<std::vector<std::string>>();
   CLI::App* help = app.add_subcommand("help", "The help of a command");
-  help->add_option("command", *path, "Its name")->type_name("NAME");
+  help->add_option("command", *path, "Its name")->type_name("COMMAND");
   help->footer("Example:\n  sinew help model show");
   help->callback([&app, path] { PrintHelp(app, *path); });
   std::vector<CLI::App_p> order;

@@ -298,7 +298,8 @@ void AddHzCommand(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("hz", "Rate, jitter, age and loss of topics, live or from a recording");
   AddNodeOptions(*command, &options->node);
-  command->add_option("topics", options->topics, "Names of topics; by default all");
+  command->add_option("topics", options->topics, "Names of topics; by default all")
+      ->type_name("TOPIC");
   command->add_option("--from", options->from, "Read this recording instead of a domain");
   command->add_option("--duration", options->duration_s, "Seconds; by default until Ctrl-C")
       ->check(node::IsTime(node::Zero::kRefused));

@@ -12,6 +12,7 @@
 #include "components/topics/node/log.h"
 #include "components/topics/node/topics.h"
 #include "components/topics/node/version.h"
+#include "tools/sinew/candidates.h"
 #include "tools/sinew/commands.h"
 #include "tools/sinew/guide.h"
 #include "tools/sinew/printed.h"
@@ -51,6 +52,10 @@ int main(int argc, char** argv) {
     sinew::tools::AddAllCommands(app);
     AddVersionCommand(app);
     sinew::tools::AddGuide(app);
+    if (argc > 1 && argv[1] == std::string(sinew::tools::kComplete)) {
+      sinew::tools::PrintCandidates(app, {argv + 2, argv + argc});
+      return EXIT_SUCCESS;
+    }
     app.parse(argc, argv);
     if (app.get_subcommands().empty()) {
       std::cerr << app.help();

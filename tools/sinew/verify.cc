@@ -182,8 +182,10 @@ void AddVerifyCommand(CLI::App& app) {
       ->capture_default_str();
   command->add_flag("--tracking", options->tracking,
                     "The surrogate under PID with the model fed forward");
-  command->add_option("--effect", options->effects,
-                      "Undeclared effect of that surrogate: NAME, NAME=SIZE; may be repeated");
+  command
+      ->add_option("--effect", options->effects,
+                   "Undeclared effect of that surrogate: NAME, NAME=SIZE; may be repeated")
+      ->type_name("EFFECT");
   command
       ->add_option("--control", options->control, "Controller, sinew-control/1; default: the rig's")
       ->check(CLI::ExistingFile);

@@ -23,6 +23,7 @@ void AddViewOptions(CLI::App& app, ViewOptions* options) {
       ->capture_default_str();
   app.add_option("--signal", options->signals,
                  "Plotted at first, such as joint_state.velocity_rad_s[0]; may be repeated")
+      ->type_name("TOPIC.FIELD")
       ->allow_extra_args(false);
   app.add_option("--record-folder", options->record_folder,
                  "Where the page's recordings are written")

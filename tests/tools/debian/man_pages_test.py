@@ -52,13 +52,21 @@ class ManPages(unittest.TestCase):
             self.assertEqual((finished.returncode, finished.stderr), (0, ""), name + finished.stdout)
         return re.sub(".\b", "", finished.stdout)
 
+    def completed(self, *words):
+        """Candidates for the last word; commands and options have a description after a tab."""
+        return subprocess.run([SINEW, "__complete", *words], capture_output=True, text=True, check=True).stdout.splitlines()
+
     def test_EveryCommandAndEachOfItsOptionsIsOnAPage(self):
         finished = self.run_script("1", SINEW)
         self.assertEqual(finished.returncode, 0, finished.stderr)
-        script = subprocess.run([SINEW, "completion", "bash"], capture_output=True, text=True, check=True).stdout
-        known = re.findall(r"'([a-z/-]*)'\) words='([^']*)'", script)
-        self.assertGreater(len(known), 40)
-        names = {"-".join(["sinew", *filter(None, path.split("/"))]) + ".1.gz": words.split() for path, words in known}
+        names = {}
+        todo = [[]]
+        while todo:
+            path = todo.pop()
+            described = [line.split("\t")[0] for word in ("", "-") for line in self.completed(*path, word) if "\t" in line]
+            names["-".join(["sinew", *path]) + ".1.gz"] = described
+            todo += [[*path, word] for word in described if not word.startswith("-")]
+        self.assertGreater(len(names), 40)
         self.assertEqual(set(names), set(self.pages()))
         for name, words in names.items():
             text = self.read(name)

@@ -66,8 +66,10 @@ void AddRecordOptions(CLI::App& app, RecordOptions* options) {
   app.add_option("--topics", options->topics,
                  "Only these topics (comma or blank between): names, or regular expressions that "
                  "match whole names; all by default")
+      ->type_name("TOPIC")
       ->delimiter(',');
   app.add_option("--exclude", options->exclude, "Not these topics: names or regular expressions")
+      ->type_name("TOPIC")
       ->delimiter(',');
   app.add_option("--note", options->notes,
                  "KEY=VALUE for the recording's metadata; may be repeated")

@@ -524,9 +524,11 @@ void AddPlayOptions(CLI::App& app, PlayOptions* options) {
                  "Only these topics (regular expressions of whole names, comma or blank between); "
                  "by default all but component_status, log, recording_progress and those that "
                  "command (joint_command, reference, ...), which must be named in full")
+      ->type_name("TOPIC")
       ->delimiter(',');
   app.add_option("--exclude", options->list.exclude,
                  "Not these topics (regular expressions as with --topics)")
+      ->type_name("TOPIC")
       ->delimiter(',');
   app.add_option("--remap", options->remap,
                  "FROM:TO, publish a topic under the name of another of its type")
