@@ -1,4 +1,5 @@
 #include "tools/sinew/commands.h"
+
 #include "tools/sinew/experiment.h"
 #include "tools/sinew/train.h"
 

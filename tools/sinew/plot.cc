@@ -20,21 +20,20 @@
 #include "components/base/types/did_you_mean.h"
 #include "components/base/types/joined.h"
 #include "components/record/recording/cdr.h"
-#include "components/record/recording/session_clock.h"
 #include "components/topics/node/time_option.h"
 #include "tools/export_recording/tables.h"
 #include "tools/inspect/message_text.h"
 #include "tools/sinew/commands.h"
 #include "tools/sinew/echo_plot.h"
 #include "tools/sinew/printed.h"
+#include "tools/sinew/recorded_time.h"
+#include "tools/sinew/recordings.h"
 
 namespace sinew::tools {
 
 namespace {
 
 using export_recording::Tables;
-
-constexpr const char* kClockTopic = "joint_state";
 
 struct PlotOptions {
   std::vector<std::string> words;  // recordings, then fields
@@ -50,17 +49,8 @@ struct PickedEntry {
   std::string path;  // "position_rad[0]"
 };
 
-struct PlotRow {
-  std::uint64_t session = 0, tick = 0;
-  std::int64_t stamp_ns = 0;
+struct PlotRow : StampedTick {
   std::vector<double> values;  // of the entries picked from its table
-};
-
-// A session of the recording on the time of the plot.
-struct PlotSession {
-  std::uint64_t id = 0;
-  recording::SessionClock clock{};
-  std::int64_t add_ns = 0;  // to a stamp of the clock: time from the recording's start
 };
 
 // NaN where a list of the message is too short; it was decoded before.
@@ -123,7 +113,7 @@ std::vector<std::vector<PlotRow>> RowsOf(const Tables& tables,
       session = static_cast<std::uint64_t>(sources[t].session->AsInt(message.data));
       tick = static_cast<std::uint64_t>(sources[t].tick->AsInt(message.data));
     }
-    rows[t].push_back({session, tick, message.publish_time_ns, {}});
+    rows[t].push_back({{session, tick, message.publish_time_ns}, {}});
     for (const recording::CdrField& field : sources[t].fields) {
       rows[t].back().values.push_back(ValueOf(field, message.data));
     }
@@ -131,33 +121,10 @@ std::vector<std::vector<PlotRow>> RowsOf(const Tables& tables,
   return rows;
 }
 
-// Sessions as they came, each not before the end of the one before: simulated time begins anew in
-// each. Within a session time only goes on (session_clock.h).
-std::vector<PlotSession> SessionsOf(const std::vector<PlotRow>& rows) {
-  std::vector<PlotSession> sessions;
-  std::map<std::uint64_t, std::map<std::uint64_t, std::int64_t>> stamps;  // by session and tick
-  for (const PlotRow& row : rows) {
-    const auto [of_session, is_new] = stamps.try_emplace(row.session);
-    if (is_new) sessions.push_back({row.session});
-    of_session->second.try_emplace(row.tick, row.stamp_ns);
-  }
-  std::int64_t start_ns = 0, end_ns = 0;
-  for (PlotSession& session : sessions) {
-    const auto& ticks = stamps.at(session.id);
-    const std::int64_t first_ns = ticks.begin()->second;
-    std::int64_t last_ns = first_ns;
-    for (const auto& [tick, stamp_ns] : ticks) last_ns = session.clock.Take(tick, stamp_ns);
-    if (&session == &sessions.front()) start_ns = first_ns;
-    session.add_ns = std::max(-start_ns, end_ns - first_ns);
-    end_ns = last_ns + session.add_ns;
-  }
-  return sessions;
-}
-
 // The curve of the entry number `index` of the rows, by session and tick; sessions are apart.
-void Fill(const std::vector<PlotSession>& sessions, const std::vector<PlotRow>& rows,
+void Fill(const std::vector<RecordedSession>& sessions, const std::vector<PlotRow>& rows,
           std::size_t index, const PlotOptions& options, inspect::Curve* curve) {
-  for (const PlotSession& session : sessions) {
+  for (const RecordedSession& session : sessions) {
     std::vector<const PlotRow*> ordered;
     for (const PlotRow& row : rows) {
       if (row.session == session.id) ordered.push_back(&row);
@@ -169,9 +136,7 @@ void Fill(const std::vector<PlotSession>& sessions, const std::vector<PlotRow>& 
       curve->value.push_back(std::numeric_limits<double>::quiet_NaN());
     }
     for (const PlotRow* row : ordered) {
-      const std::int64_t time_ns =
-          row->stamp_ns + session.clock.ShiftOf(row->tick) + session.add_ns;
-      const double time_s = 1e-9 * static_cast<double>(time_ns);
+      const double time_s = session.Time_s(*row);
       if (time_s < options.from_s || time_s > options.to_s) continue;
       curve->time_s.push_back(time_s);
       curve->value.push_back(row->values[index]);
@@ -194,14 +159,14 @@ void AddCurves(const std::string& file, const std::vector<inspect::TopicField>& 
     picked.insert(picked.end(), entries.begin(), entries.end());
   }
   const std::vector<std::vector<PlotRow>> rows = RowsOf(tables, picked);
-  std::vector<PlotRow> clock;
+  std::vector<StampedTick> clock;
   for (std::size_t t = 0; t < rows.size(); ++t) {
-    if (tables.list()[t]->topic == kClockTopic) clock = rows[t];
+    if (tables.list()[t]->topic == kClockTopic) clock.assign(rows[t].begin(), rows[t].end());
   }
   if (clock.empty()) {
     for (const auto& of_table : rows) clock.insert(clock.end(), of_table.begin(), of_table.end());
   }
-  const std::vector<PlotSession> sessions = SessionsOf(clock);
+  const std::vector<RecordedSession> sessions = SessionsOf(clock);
   std::map<std::size_t, std::size_t> taken;  // entries by table
   for (const PickedEntry& one : picked) {
     const std::string& topic = tables.list()[one.table]->topic;
@@ -214,9 +179,7 @@ void PlotRecordings(const PlotOptions& options) {
   std::vector<std::string> files;
   std::vector<inspect::TopicField> fields;
   for (const std::string& word : options.words) {
-    std::error_code ignored;
-    if (files.empty() || word.ends_with(".mcap") || word.find(".mcap@") != std::string::npos ||
-        std::filesystem::exists(word, ignored)) {
+    if (files.empty() || IsRecording(word)) {
       files.push_back(word);
       continue;
     }
