@@ -1,5 +1,4 @@
 #include "tools/sinew/commands.h"
-
 #include "tools/sinew/experiment.h"
 #include "tools/sinew/train.h"
 

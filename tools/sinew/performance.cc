@@ -1,3 +1,5 @@
+#include "tools/sinew/commands.h"
+
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <iostream>
@@ -9,7 +11,6 @@
 #include "components/base/config/config.h"
 #include "components/base/types/json_text.h"
 #include "components/model/report/file/section_file.h"
-#include "tools/sinew/commands.h"
 #include "tools/sinew/performance_section.h"
 #include "tools/sinew/performance_sessions.h"
 #include "tools/sinew/print_section.h"
