@@ -17,10 +17,10 @@ squat train deploy.yaml
 sed "s#urdf: biped.urdf#urdf: $biped/biped.urdf#; s/depth_m: 0.4/depth_m: 0.33/" "$biped/reference_benchmark.yaml" \
   >"$out/reference_held_out.yaml"
 squat held_out deploy.yaml --set "reference.config=$out/reference_held_out.yaml"
-quietly render sinew render --recording "$out/train.mcap" --urdf "$biped/biped.urdf" --out "$out/squat.mp4" --from 3
+quietly render sinew render "$out/train.mcap" --urdf "$biped/biped.urdf" --out "$out/squat.mp4" --from 3
 
 say "Closing the loop: what does the robot carry or rub that its model does not declare?"
-sinew close-loop --model "$biped/model.yaml" --train "$out/train.mcap" --held-out "$out/held_out.mcap" --out "$out/found"
+sinew close-loop --model "$biped/model.yaml" "$out/train.mcap" --held-out "$out/held_out.mcap" --out "$out/found"
 
 say "Computed torque under the 4 kg, with the declared and with the corrected model"
 model_torque=(--set esn.program=sinew-inverse-dynamics --set "esn.config=$biped/esn_model.yaml"

@@ -16,7 +16,7 @@ for run in $(seq "$repeats"); do
   grep -o '[0-9.]* s in [0-9.]* s ([0-9.]* x real time)' "$work/log" | sed "s/^/run $run: /"
 done
 echo "resident memory at the end:"
-"$bin/sinew" echo component_status --from "$work/run_$repeats.mcap" --json |
+"$bin/sinew" echo component_status "$work/run_$repeats.mcap" --json |
   python3 -c '
 import json, sys
 resident = {}

@@ -211,7 +211,7 @@ class SurrogateExperiments : public tools::ExperimentSimulation {
   void AddOptions(CLI::App& command) override {
     command.add_option("--surrogate", options_.surrogate,
                        "File (sinew-surrogate/1) of the rig that is played; with --dds or "
-                       "--recording only the true values are taken from it");
+                       "a recording only the true values are taken from it");
     command
         .add_option("--seeds", options_.seeds,
                     "In process: also count over this many specimens how often intervals held "

@@ -198,7 +198,7 @@ void TrainNet(const NetOptions& options, const tools::TrainOptions& data) {
 void Check(const NetOptions& options, const tools::TrainOptions& data) {
   if (options.task.empty()) throw CLI::RequiredError("--task");
   if (options.task == "force" && data.recordings.empty()) {
-    throw CLI::RequiredError("--recording (the surrogate has no cylinder)");
+    throw CLI::RequiredError("a recording (the surrogate has no cylinder)");
   }
   if (!data.tests.empty() || !data.network.empty() || !data.config.empty()) {
     throw CLI::ExcludesError("--net", "--test, --network, --config");
@@ -240,7 +240,7 @@ tools::OtherNetworks MakePublishedNetworks() {
           "surrogate.\n",
       .examples =
           "  sinew train --net wiener-esn --task pea --out wiener_esn.json\n"
-          "  sinew train --net lstm --task sea --recording run.mcap --patience 50 --out "
+          "  sinew train run.mcap --net lstm --task sea --patience 50 --out "
           "lstm.json",
       .add_options = [net](CLI::App& train) { return AddOptions(train, net.get()); },
       .train =

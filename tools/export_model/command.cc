@@ -18,6 +18,7 @@
 #include "tools/export_model/cost.h"
 #include "tools/export_model/described_robot.h"
 #include "tools/export_model/write_model.h"
+#include "tools/sinew/recordings.h"
 #include "tools/sinew/shipped.h"
 
 namespace sinew::export_model {
@@ -170,11 +171,9 @@ void AddExportModelCommand(CLI::App& app) {
   command->add_option("--out", options->out, "File to write; else it is printed");
   command->add_option("--urdf", options->urdf, "In place of the model file's")
       ->check(CLI::ExistingFile);
-  command
-      ->add_option("--recording", options->recordings,
-                   "Held-out CSV or MCAP: what each effect costs that the format does not carry; "
-                   "may be repeated")
-      ->type_name("FILE");
+  tools::AddRecordings(
+      *command, "--recording", &options->recordings,
+      "Held-out CSV or MCAP: what each effect costs that the format does not carry");
   command->add_option("--map", options->map, "Mapping of CSV columns")->check(CLI::ExistingFile);
   command->add_option("--horizon", options->horizon_s, "Length of a simulated piece, s")
       ->check(CLI::Range(0.02, 100.0))
@@ -183,8 +182,7 @@ void AddExportModelCommand(CLI::App& app) {
   command->footer(
       "What each format carries: docs/interchange.md.\n\n"
       "Examples:\n"
-      "  sinew export-model found/model.yaml --format mjcf --recording held_out.mcap --out "
-      "rig.xml\n"
+      "  sinew export-model found/model.yaml held_out.mcap --format mjcf --out rig.xml\n"
       "  sinew export-model robots/biped/model.yaml --format sdf --out biped.sdf");
   command->callback([options] { RunExportModel(*options); });
 }

@@ -55,7 +55,7 @@ std::vector<PlotPanel> PanelsOf(const std::vector<Curve>& curves, bool one_each)
   for (const Curve& curve : curves) {
     const auto shares = [&](const PlotPanel& panel) {
       const Curve& first = *panel.curves.front();
-      return !one_each && first.unit == curve.unit &&
+      return !one_each && !first.apart && !curve.apart && first.unit == curve.unit &&
              (!curve.unit.empty() || first.quantity == curve.quantity);
     };
     auto panel = std::find_if(panels.begin(), panels.end(), shares);
@@ -225,7 +225,7 @@ report::Series Thinned(const Curve& curve) {
 Curve CurveOf(const std::string& name, const std::string& field) {
   const std::string last = field.substr(field.rfind('.') + 1);
   const types::UnitName split = types::SplitUnit(last.substr(0, last.find('[')));
-  return {types::Printable(name), {}, {}, split.stem, split.unit};
+  return {types::Printable(name), {}, {}, split.stem, split.unit, false};
 }
 
 std::string DrawnInTerminal(const std::vector<Curve>& curves, const TerminalStyle& style) {

@@ -2,7 +2,8 @@
 // (docs/decisions/0005); in the terminal the curves are drawn in braille, 2 x 4 dots a character,
 // into gnuplot's frame, because the gnuplot of Debian 12 has no such terminal.
 //
-// Curves of one unit share a panel; the panels stand below each other over the same time.
+// Curves of one unit share a panel, but for those that are apart; the panels stand below each other
+// over the same time.
 #pragma once
 
 #include <string>
@@ -14,6 +15,7 @@ struct Curve {
   std::string name;  // in the key: "joint_state.position_rad[0]"
   std::vector<double> time_s, value;
   std::string quantity{}, unit{};  // of its axis: "position", "rad"
+  bool apart = false;              // in a panel of its own
 };
 
 // A curve without points, its name without control characters; the axis is named by the field,

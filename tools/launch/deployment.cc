@@ -439,6 +439,19 @@ void Record(const fs::path& path, const fs::path& folder, Deployment* deployment
   deployment->processes.push_back(logger);
 }
 
+void Overwrite(Deployment* deployment) {
+  bool any = false;
+  for (Process& process : deployment->processes) {
+    if (!IsLogger(process)) continue;
+    any = true;
+    auto& arguments = process.arguments;
+    if (std::find(arguments.begin(), arguments.end(), "--overwrite") == arguments.end()) {
+      arguments.push_back("--overwrite");
+    }
+  }
+  if (!any) throw UsageError("--overwrite: no logger in the deployment, expected --record FILE");
+}
+
 // The holder of the network is the first to start and among the last to stop.
 void Isolate(const config::Section& network, const std::vector<std::string>& moved,
              const fs::path& folder, Deployment* deployment) {
@@ -582,6 +595,7 @@ Deployment LoadDeployment(const fs::path& file, const Overrides& overrides,
     ApplySetting(setting, program_folder, &deployment);
   }
   if (!overrides.record.empty()) Record(overrides.record, program_folder, &deployment);
+  if (overrides.overwrite) Overwrite(&deployment);
   std::vector<std::string> composed = overrides.compose;
   if (overrides.compose_all) composed = WhatComposes(deployment);
   if (overrides.compose_all || !composed.empty()) Compose(composed, program_folder, &deployment);

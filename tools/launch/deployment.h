@@ -76,6 +76,7 @@ struct Overrides {
   std::string host;
   bool isolate = false;          // in a network of its own
   std::filesystem::path record;  // non-empty: the logger writes here; added if there is none
+  bool overwrite = false;        // loggers replace files that are there
 };
 
 inline constexpr char kSchema[] = "sinew-deployment/1";

@@ -226,7 +226,7 @@ std::string ReadmeText(const Guess& guess, const Answers& answers, const std::st
   const std::string split = types::SecondsText(guess.split_s);
   text += "\n```sh\nsinew check-data --model model.yaml --map csv_map.yaml " + recording +
           "                 # faults of the data first\n"
-          "sinew close-loop --model model.yaml --map csv_map.yaml --train " +
+          "sinew close-loop --model model.yaml --map csv_map.yaml " +
           recording + "@:" + split + " --held-out " + recording + "@" + split +
           ": --out result   # what comes later checks; better another recording\n```\n\n";
   text += answers.hanging ? "A hanging link is at -90 degrees in the model: gravity is `-m g l cos "

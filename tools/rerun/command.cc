@@ -253,12 +253,22 @@ RerunInput::Field FirstField(const RerunResult& result) {
   throw UsageError("--png: nothing differs, expected --field TOPIC.FIELD");
 }
 
+// Recorded and run again in one panel, their difference in one below.
 void WritePicture(const fs::path& path, const FieldCurve& curve) {
-  const std::string axis = curve.topic + "." + curve.field;
-  config::WriteFileAtomically(
-      path, inspect::DrawnPicture({{"recorded", curve.time_s, curve.recorded, axis},
-                                   {"run again", curve.time_s, curve.rerun, axis}},
-                                  "png"));
+  const std::string name = curve.topic + "." + curve.field;
+  std::vector<inspect::Curve> curves;
+  for (const char* what : {", recorded", ", run again", ", run again - recorded"}) {
+    curves.push_back(inspect::CurveOf(name + what, curve.field));
+    curves.back().time_s = curve.time_s;
+  }
+  curves[0].value = curve.recorded;
+  curves[1].value = curve.rerun;
+  for (std::size_t i = 0; i < curve.rerun.size(); ++i) {
+    curves[2].value.push_back(curve.rerun[i] - curve.recorded[i]);
+  }
+  curves[2].quantity = "difference";
+  curves[2].apart = true;
+  config::WriteFileAtomically(path, inspect::DrawnPicture(curves, "png"));
 }
 
 // Exit code.
@@ -350,7 +360,9 @@ void AddRerunCommand(CLI::App& app) {
           "[COMPONENT.]KEY=VALUE, may be repeated: what would the components have done that "
           "have this entry in their configuration?")
       ->type_name("EDIT");
-  command->add_option("--png", options->picture, "Picture of a field, recorded and run again")
+  command
+      ->add_option("--png", options->picture,
+                   "Picture of a field, recorded and run again, and the difference")
       ->type_name("FILE.png");
   command
       ->add_option("--field", options->field,

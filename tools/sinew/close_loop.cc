@@ -27,6 +27,7 @@
 #include "tools/sinew/commands.h"
 #include "tools/sinew/print_section.h"
 #include "tools/sinew/progress.h"
+#include "tools/sinew/recordings.h"
 #include "tools/sinew/shipped.h"
 
 namespace sinew::tools {
@@ -174,8 +175,7 @@ void CheckData(const CheckDataOptions& options) {
   const std::string json = types::JsonText(report::CheckJson(check), 2) + "\n";
   const std::filesystem::path& out = options.out;
   if (!out.empty()) {
-    report::Page page =
-        report::MakeCheckPage(check, report::MakePictures(check.gate, runs, joint));
+    report::Page page = report::MakeCheckPage(check, report::MakePictures(check.gate, runs, joint));
     page.made = Made();
     const std::string html = report::DrawnHtml(std::move(page));
     std::error_code error;
@@ -208,10 +208,8 @@ void AddCloseLoopCommand(CLI::App& app) {
   AddModelOptions(&options, command);
   command->add_option("--held-out-map,--sealed-map", options.held_out_map,
                       "Mapping of the held-out CSV files where it is another one");
-  command
-      ->add_option("--train", options.train,
-                   "Recordings to learn from: CSV, MCAP or a bag of ROS 2, FILE or FILE@START:END "
-                   "(seconds)")
+  AddRecordings(*command, "--train", &options.train,
+                "To learn from: CSV, MCAP or a bag of ROS 2, FILE or FILE@START:END (seconds)")
       ->required();
   command->add_option(
       "--held-out,--sealed", options.held_out,
@@ -230,15 +228,15 @@ void AddCloseLoopCommand(CLI::App& app) {
       "Fits the declared terms, searches the catalogue (`sinew effects`) for the effects that "
       "explain the\nresidual, adds the confirmed ones and reports the errors before and after. "
       "World and control load\nmodel.yaml unchanged.\n\nExamples:\n"
-      "  sinew close-loop --train train_1.csv train_2.csv --held-out test.csv --out found\n"
-      "  sinew close-loop --train monday.csv tuesday.csv wednesday.csv --out found\n"
-      "  sinew close-loop --train day.csv@:60 --held-out day.csv@60: --out found\n"
+      "  sinew close-loop train_1.csv train_2.csv --held-out test.csv --out found\n"
+      "  sinew close-loop monday.csv tuesday.csv wednesday.csv --out found\n"
+      "  sinew close-loop day.csv@:60 --held-out day.csv@60: --out found\n"
       "  sinew close-loop --model robots/emps/model.yaml --map robots/emps/csv_map.yaml \\\n"
-      "    --train DATA_EMPS.csv --held-out DATA_EMPS_PULSES.csv --out found\n"
+      "    DATA_EMPS.csv --held-out DATA_EMPS_PULSES.csv --out found\n"
       "  sinew close-loop --by simulation --model robots/dfki_pendulum/model.yaml \\\n"
-      "    --train energy_shaping_measured.csv@:12 --held-out energy_shaping_measured.csv@12: "
+      "    energy_shaping_measured.csv@:12 --held-out energy_shaping_measured.csv@12: "
       "--out found\n"
-      "  sinew close-loop --model robots/biped/model.yaml --train run_1.mcap --held-out run_2.mcap "
+      "  sinew close-loop --model robots/biped/model.yaml run_1.mcap --held-out run_2.mcap "
       "\\\n"
       "    --out found                       # payload and friction of a robot on two feet");
   command->callback([arguments] { Execute(arguments->options, arguments->out, arguments->json); });

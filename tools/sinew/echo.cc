@@ -19,12 +19,12 @@
 
 #include "components/base/config/config.h"
 #include "components/base/types/did_you_mean.h"
+#include "components/base/types/joined.h"
 #include "components/base/types/json_text.h"
 #include "components/model/report/section.h"
 #include "components/record/recording/cdr.h"
 #include "components/record/recording/file/file_io.h"
 #include "components/record/recording/mcap_reader.h"
-#include "components/record/recording/recorded_time.h"
 #include "components/topics/node/node.h"
 #include "components/topics/node/time_option.h"
 #include "tools/inspect/message_text.h"
@@ -32,6 +32,8 @@
 #include "tools/sinew/echo_plot.h"
 #include "tools/sinew/node_options.h"
 #include "tools/sinew/printed.h"
+#include "tools/sinew/recordings.h"
+#include "tools/sinew/span_messages.h"
 
 namespace sinew::tools {
 
@@ -47,7 +49,7 @@ constexpr double kOnceTimeout_s = 5.0;
 struct EchoOptions {
   node::Options node;
   std::string topic;
-  std::filesystem::path from;
+  RecordedSpan recorded;
   std::vector<std::string> fields;
   std::vector<std::string> plot;
   std::filesystem::path png;
@@ -91,7 +93,7 @@ class Plotter : public MessageSink {
           const EchoOptions& options)
       : idl_(recording::IdlSchema::Parse(idl)),
         options_(options),
-        live_(options.from.empty()),
+        live_(options.recorded.files.empty()),
         draws_live_(live_ && ::isatty(STDOUT_FILENO) == 1) {
     try {
       plot_.emplace(topic, idl_.Struct(type_name), options.plot, live_ ? options.window_s : 0.0);
@@ -232,8 +234,9 @@ std::unique_ptr<MessageSink> MakeSink(const std::string& topic, const std::strin
   return std::make_unique<Printer>(topic, type_name, idl, options);
 }
 
-void EchoFile(const EchoOptions& options) {
-  recording::FileSource source(options.from);
+// Messages of a recording, until `printed` is the count that was asked for.
+void EchoFile(const std::string& file, const EchoOptions& options, std::uint64_t* printed) {
+  recording::FileSource source(file);
   try {
     const recording::McapReader reader(source);
     const recording::McapSchema* schema = nullptr;
@@ -243,37 +246,38 @@ void EchoFile(const EchoOptions& options) {
       if (channel.topic == options.topic) schema = reader.SchemaOf(channel);
     }
     if (schema == nullptr) {
-      throw UsageError(options.from.string() + ": " +
+      throw UsageError(file + ": " +
                        types::NoSuch("topic", options.topic, {names.begin(), names.end()}));
     }
     const auto sink = MakeSink(options.topic, schema->name, schema->data, options);
     recording::MessageFilter filter;
     filter.topics = std::set<std::string>{options.topic};
-    filter.in_file_order = recording::RecordedTime(reader).in_file_order();
-    recording::McapMessages messages = reader.Messages(filter);
+    SpanMessages messages(reader, filter, options.recorded);
     recording::McapMessage message;
     RateLimit limit(options.rate_Hz);
-    std::uint64_t printed = 0;
-    while ((options.count == 0 || printed < options.count) && messages.Next(&message)) {
+    while ((options.count == 0 || *printed < options.count) && messages.Next(&message)) {
       if (!limit.Passes(message.publish_time_ns)) continue;
       sink->Take(message.data, message.log_time_ns);
-      ++printed;
+      ++*printed;
     }
     sink->End();
-    if (options.once && printed == 0) {
-      std::cerr << "sinew echo: nothing on '" << options.topic << "' in " << options.from.string()
-                << '\n';
-      throw CLI::RuntimeError(1);
-    }
   } catch (const recording::McapError& error) {
-    throw UsageError(options.from.string() + ": " + error.what());
+    throw UsageError(file + ": " + error.what());
   } catch (const recording::CdrError& error) {
-    throw UsageError(options.from.string() + ": message of '" + options.topic +
-                     "': " + error.what());
+    throw UsageError(file + ": message of '" + options.topic + "': " + error.what());
   } catch (const recording::IdlError& error) {
-    throw UsageError(options.from.string() + ": schema of '" + options.topic +
-                     "': " + error.what());
+    throw UsageError(file + ": schema of '" + options.topic + "': " + error.what());
   }
+}
+
+void EchoFiles(const EchoOptions& options) {
+  if (!options.plot.empty()) (void)OnlyOne(options.recorded.files);
+  std::uint64_t printed = 0;
+  for (const std::string& file : options.recorded.files) EchoFile(file, options, &printed);
+  if (!options.once || printed > 0) return;
+  std::cerr << "sinew echo: nothing on '" << options.topic << "' in "
+            << types::Joined(options.recorded.files) << '\n';
+  throw CLI::RuntimeError(1);
 }
 
 void EchoDomain(const EchoOptions& options, const node::StopFlag& stop) {
@@ -350,6 +354,8 @@ void AddEchoCommand(CLI::App& app) {
   AddNodeOptions(*command, &options->node);
   command->add_option("topic", options->topic, "Topic or TOPIC.FIELD, e.g. joint_state.torque_Nm")
       ->required();
+  AddRecordings(*command, "", &options->recorded.files, "Recordings to read instead of a domain");
+  AddSpan(*command, &options->recorded, "sinew echo TOPIC FILE.mcap");
   command
       ->add_option("--field", options->fields,
                    "Only this field, e.g. position_rad[0], or all of a list; may be repeated")
@@ -361,7 +367,6 @@ void AddEchoCommand(CLI::App& app) {
       ->excludes(count);
   command->add_option("--rate", options->rate_Hz, "At most so many messages a second")
       ->check(CLI::Range(1e-3, 1e6));
-  command->add_option("--from", options->from, "Read this recording instead of a domain");
   CLI::Option* timeout = command
                              ->add_option("--timeout", options->timeout_s,
                                           "Give up after so many seconds of silence (exit code 1)")
@@ -385,9 +390,9 @@ void AddEchoCommand(CLI::App& app) {
       "  sinew echo joint_state --once\n"
       "  sinew echo joint_state.position_rad --rate 2\n"
       "  sinew echo joint_state --field header.tick --field position_rad[0] -n 100\n"
-      "  sinew echo reference --from run.mcap --json\n"
+      "  sinew echo reference run.mcap --from 2 --to 4 --json\n"
       "  sinew echo joint_state --plot position_rad[0] --plot velocity_rad_s[0]\n"
-      "  sinew echo joint_state --from run.mcap --plot torque_Nm[0] --png torque.png");
+      "  sinew echo joint_state run.mcap --plot torque_Nm[0] --png torque.png");
   command->callback([options, timeout] {
     node::StopFlag stop;
     inspect::TopicField asked = inspect::SplitField(options->topic);
@@ -395,8 +400,9 @@ void AddEchoCommand(CLI::App& app) {
     if (!asked.field.empty()) options->fields.insert(options->fields.begin(), asked.field);
     if (options->once) options->count = 1;
     if (options->once && timeout->count() == 0) options->timeout_s = kOnceTimeout_s;
-    if (!options->from.empty()) {
-      EchoFile(*options);
+    options->recorded.Check();
+    if (!options->recorded.files.empty()) {
+      EchoFiles(*options);
     } else {
       EchoDomain(*options, stop);
     }

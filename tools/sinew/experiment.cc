@@ -13,6 +13,7 @@
 
 #include "components/base/config/config.h"
 #include "components/base/types/clock/utc.h"
+#include "components/base/types/joined.h"
 #include "components/base/types/json_text.h"
 #include "components/model/actuator/file/model_file.h"
 #include "components/model/experiment/catalogue.h"
@@ -24,6 +25,7 @@
 #include "tools/sinew/experiment_run.h"
 #include "tools/sinew/node_options.h"
 #include "tools/sinew/printed.h"
+#include "tools/sinew/recordings.h"
 
 namespace sinew::tools {
 namespace {
@@ -104,7 +106,7 @@ void RunAll(const ExperimentOptions& given, const ExperimentSimulation* simulati
     throw UsageError("--update-model: needs --model, the file that the changes begin from");
   }
   if (options.topics && !options.recording.empty()) {
-    throw UsageError("--recording: is identified as it is, not with --dds");
+    throw UsageError("the recording is identified as it is, not with --dds");
   }
   if (options.topics && options.names.size() > 1) {
     throw UsageError("--dds: one experiment at a time, expected one NAME");
@@ -126,7 +128,7 @@ void RunAll(const ExperimentOptions& given, const ExperimentSimulation* simulati
   }
   if (options.in_process() && simulation == nullptr) {
     throw UsageError(
-        "experiment: neither --dds nor --recording; on the surrogate in this process it runs in a "
+        "experiment: neither --dds nor a recording; on the surrogate in this process it runs in a "
         "build with -DSINEW_BUILD_REPRODUCTION=ON");
   }
   const std::unique_ptr<SimulatedRig> rig =
@@ -183,9 +185,22 @@ void AddExperimentCommand(CLI::App& app, const std::shared_ptr<ExperimentSimulat
   auto options = std::make_shared<ExperimentOptions>();
   std::vector<std::string> names = experiment::ExperimentNames();
   names.emplace_back("all");
-  command->add_option("name", options->names, "Experiments, or all")
+  const auto is_name = [names](const std::string& word) {
+    return std::find(names.begin(), names.end(), word) != names.end();
+  };
+  const auto check = [names, is_name](const std::string& word) {
+    return is_name(word) || IsRecording(word)
+               ? std::string()
+               : "'" + word + "', expected a recording or one of: " + types::Joined(names);
+  };
+  command
+      ->add_option("name", options->names,
+                   "Experiments, or all; a recording (MCAP, or CSV with --map) to identify from "
+                   "instead of running")
       ->required()
-      ->check(CLI::IsMember(names));
+      ->check(CLI::Validator(check, "{" + types::Joined(names, ",") + "} FILE"));
+  auto recordings = std::make_shared<std::vector<fs::path>>();
+  AddReplaced(*command, "--recording", recordings.get());
   command
       ->add_option("--trials", options->trials,
                    "backlash: periods; breakaway: at each angle; pea-data: cycles")
@@ -205,8 +220,6 @@ void AddExperimentCommand(CLI::App& app, const std::shared_ptr<ExperimentSimulat
                    "Folder for data.csv, result.json, section.json and pictures")
       ->type_name("DIR");
   command->add_flag("--json", options->json, "Result as JSON");
-  command->add_option("--recording", options->recording,
-                      "Identify from this recording (MCAP, or CSV with --map) instead of running");
   command->add_option("--map", options->map, "Mapping file of a CSV recording");
   command
       ->add_option("--from", options->from_s, "Seconds of the recording to leave out at its start")
@@ -225,13 +238,19 @@ void AddExperimentCommand(CLI::App& app, const std::shared_ptr<ExperimentSimulat
       "On a robot a person pushes the link as instructed; in a simulation the command pushes it\n"
       "(sim_disturbance). motor needs the motor uncoupled from the link.\n\nExamples:\n"
       "  sinew experiment backlash\n"
+      "  sinew experiment motor run.mcap\n"
       "  sinew experiment all --seeds 100 --out results --model robots/rig/model.yaml \\\n"
       "    --update-model results/model.yaml\n"
       "  sinew-surrogate --domain 3 --lockstep --await joint_command,valve_command,sim_disturbance "
       "&\n"
       "  sinew experiment backlash --quick --dds --domain 3 --lockstep --arm");
   if (simulation != nullptr) simulation->AddOptions(*command);
-  command->callback([options, simulation] { RunAll(*options, simulation.get()); });
+  command->callback([options, simulation, recordings, is_name] {
+    TakeRecordings(is_name, &options->names, recordings.get());
+    if (options->names.empty()) throw CLI::RequiredError("name of an experiment");
+    options->recording = OnlyOne(*recordings);
+    RunAll(*options, simulation.get());
+  });
 }
 
 }  // namespace sinew::tools

@@ -3,6 +3,7 @@
 #include <sinew_idl/status.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <chrono>
 #include <filesystem>
 #include <iostream>
@@ -23,6 +24,8 @@
 #include "tools/inspect/run_tool.h"
 #include "tools/sinew/commands.h"
 #include "tools/sinew/node_options.h"
+#include "tools/sinew/recordings.h"
+#include "tools/sinew/span_messages.h"
 
 namespace sinew::tools {
 
@@ -30,7 +33,7 @@ namespace {
 
 struct GraphOptions {
   node::Options node;
-  std::string from;
+  RecordedSpan recorded;
   std::filesystem::path out;
   double wait_s = 2.0;
   bool all = false;
@@ -57,16 +60,31 @@ inspect::Graph ListenForGraph(const GraphOptions& options) {
   return inspect::GraphOfDomain(node.Endpoints(), options.all, by_participant);
 }
 
-inspect::Graph GraphFromFile(const GraphOptions& options) {
-  recording::FileSource source(options.from);
+// Channels with a message in the span.
+std::set<recording::ChannelId> HeardIn(const recording::McapReader& reader,
+                                       const RecordedSpan& span) {
+  std::set<recording::ChannelId> heard;
+  SpanMessages messages(reader, {}, span);
+  recording::McapMessage message;
+  while (messages.Next(&message)) heard.insert(message.channel_id);
+  return heard;
+}
+
+inspect::Graph GraphFromFile(const std::string& file, const GraphOptions& options) {
+  recording::FileSource source(file);
   try {
     const recording::McapReader reader(source);
     std::vector<inspect::RecordedWriter> writers;
     std::map<std::string, std::string> kinds;  // by name
     recording::LeftOut foreign;
+    const bool whole = options.recorded.IsWhole();
+    const std::set<recording::ChannelId> heard =
+        whole ? std::set<recording::ChannelId>() : HeardIn(reader, options.recorded);
     for (const auto& [id, channel] : reader.channels()) {
       const auto writer = channel.metadata.find("participant");
-      writers.push_back({channel.topic, writer == channel.metadata.end() ? "" : writer->second});
+      if (whole || heard.contains(id)) {
+        writers.push_back({channel.topic, writer == channel.metadata.end() ? "" : writer->second});
+      }
       if (!recording::IsReadable(reader, channel, &foreign)) continue;
       if (channel.topic != node::kComponentStatus.name) continue;
       const recording::MessageType type = recording::MessageTypeOf(reader, channel);
@@ -84,15 +102,20 @@ inspect::Graph GraphFromFile(const GraphOptions& options) {
         if (message.channel_id == id) kinds[name.AsText(message.data)] = kind.AsText(message.data);
       }
     }
-    if (!foreign.empty()) std::cerr << recording::LeftOutText(options.from, foreign) << '\n';
+    if (!foreign.empty()) std::cerr << recording::LeftOutText(file, foreign) << '\n';
     std::vector<inspect::RecordedParticipant> participants;
     participants.reserve(kinds.size());
-    for (const auto& [name, kind] : kinds) participants.push_back({name, kind});
+    for (const auto& [name, kind] : kinds) {
+      const bool writes =
+          std::any_of(writers.begin(), writers.end(),
+                      [&wanted = name](const auto& w) { return w.participant == wanted; });
+      if (whole || writes) participants.push_back({name, kind});
+    }
     return inspect::GraphOfRecording(writers, participants, options.all);
   } catch (const recording::McapError& error) {
-    throw UsageError(options.from + ": " + error.what());
+    throw UsageError(file + ": " + error.what());
   } catch (const recording::CdrError& error) {
-    throw UsageError(options.from + ": component_status: " + error.what());
+    throw UsageError(file + ": component_status: " + error.what());
   }
 }
 
@@ -115,7 +138,8 @@ void AddGraphCommand(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("graph", "A picture of who speaks to whom, live or from a recording");
   AddNodeOptions(*command, &options->node);
-  command->add_option("--from", options->from, "Read this recording instead of a domain");
+  AddRecordings(*command, "", &options->recorded.files, "Recording to read instead of a domain");
+  AddSpan(*command, &options->recorded, "sinew graph FILE.mcap");
   command->add_option("--out", options->out,
                       "File to write: .dot, .gv, .svg, .png or .pdf; by default the graph's text "
                       "in the language of Graphviz on standard output");
@@ -130,14 +154,15 @@ void AddGraphCommand(CLI::App& app) {
       "Dashed, of a recording: by the table of topics, since a recording does not contain who "
       "read.\n\nExamples:\n"
       "  sinew graph --out rig.svg\n"
-      "  sinew graph --from run.mcap --out run.png\n"
+      "  sinew graph run.mcap --out run.png\n"
       "  sinew graph | dot -Tx11");
   command->callback([options] {
+    options->recorded.Check();
+    const std::string file = OnlyOne(options->recorded.files);
     const inspect::Graph graph =
-        options->from.empty() ? ListenForGraph(*options) : GraphFromFile(*options);
-    const std::string title = options->from.empty()
-                                  ? "domain " + std::to_string(options->node.domain_id)
-                                  : std::filesystem::path(options->from).filename().string();
+        file.empty() ? ListenForGraph(*options) : GraphFromFile(file, *options);
+    const std::string title = file.empty() ? "domain " + std::to_string(options->node.domain_id)
+                                           : std::filesystem::path(file).filename().string();
     const std::string dot = inspect::DotText(graph, title);
     if (graph.participants.empty() && graph.links.empty()) {
       std::cerr << "sinew graph: " << title << ": no participant\n";

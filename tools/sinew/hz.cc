@@ -18,13 +18,14 @@
 #include "components/record/recording/cdr.h"
 #include "components/record/recording/file/file_io.h"
 #include "components/record/recording/mcap_reader.h"
-#include "components/record/recording/recorded_time.h"
 #include "components/topics/node/node.h"
 #include "components/topics/node/time_option.h"
 #include "tools/inspect/rate_meter.h"
 #include "tools/sinew/commands.h"
 #include "tools/sinew/node_options.h"
 #include "tools/sinew/printed.h"
+#include "tools/sinew/recordings.h"
+#include "tools/sinew/span_messages.h"
 
 namespace sinew::tools {
 
@@ -42,8 +43,8 @@ constexpr std::uint64_t kLockstepDepth = 256;  // history of the profile "lockst
 
 struct HzOptions {
   node::Options node;
-  std::vector<std::string> topics;
-  std::string from;
+  std::vector<std::string> topics;  // on the command line recordings, too
+  RecordedSpan recorded;
   double duration_s = 0.0;
   double every_s = 1.0;
   bool json = false;
@@ -180,8 +181,8 @@ void PrintSummaries(const Summaries& summaries) {
   std::cout << std::flush;
 }
 
-Summaries OfRecording(const HzOptions& options) {
-  recording::FileSource source(options.from);
+Summaries OfRecording(const std::string& file, const HzOptions& options) {
+  recording::FileSource source(file);
   try {
     const recording::McapReader reader(source);
     std::set<std::string> recorded;
@@ -201,20 +202,20 @@ Summaries OfRecording(const HzOptions& options) {
     if (!options.topics.empty()) filter.topics.emplace();
     for (const std::string& topic : options.topics) {
       if (!recorded.contains(topic)) {
-        throw UsageError(options.from + ": no topic '" + topic +
+        throw UsageError(file + ": no topic '" + topic +
                          "', expected one of: " + types::Joined(recorded));
       }
       filter.topics->insert(topic);
     }
     std::map<std::string, RateMeter> meters;
     std::map<recording::ChannelId, std::uint64_t> numbers;  // a channel is a writer
-    const recording::RecordedTime time(reader);
-    filter.in_file_order = time.in_file_order();
-    recording::McapMessages messages = reader.Messages(filter);
+    SpanMessages messages(reader, filter, options.recorded);
+    const recording::RecordedTime& time = messages.time();
     recording::McapMessage message;
+    std::int64_t end_ns = reader.statistics().start_time_ns;
     while (messages.Next(&message)) {
       Arrival arrival;
-      arrival.arrival_ns = time.Of(message);
+      arrival.arrival_ns = end_ns = time.Of(message);
       const std::optional<HeaderFields>& field = fields.at(message.channel_id);
       if (field) field->Read(message.data, &arrival);
       if (arrival.stamp_ns && !time.is_simulated()) {  // set back as the log time was
@@ -224,9 +225,11 @@ Summaries OfRecording(const HzOptions& options) {
       ApplyProfile(node::FindTopic(topic), ++numbers[message.channel_id], &arrival);
       meters[topic].Add(arrival);
     }
-    return Summarize(meters, time.span() ? time.span()->end_ns : reader.statistics().end_time_ns);
+    const std::int64_t whole_ns =
+        time.span() ? time.span()->end_ns : reader.statistics().end_time_ns;
+    return Summarize(meters, options.recorded.IsWhole() ? whole_ns : end_ns);
   } catch (const recording::McapError& error) {
-    throw UsageError(options.from + ": " + error.what());
+    throw UsageError(file + ": " + error.what());
   }
 }
 
@@ -298,9 +301,11 @@ void AddHzCommand(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("hz", "Rate, jitter, age and loss of topics, live or from a recording");
   AddNodeOptions(*command, &options->node);
-  command->add_option("topics", options->topics, "Names of topics; by default all")
-      ->type_name("TOPIC");
-  command->add_option("--from", options->from, "Read this recording instead of a domain");
+  command
+      ->add_option("topics", options->topics,
+                   "Names of topics, by default all; a recording to read instead of a domain")
+      ->type_name("TOPIC... FILE");
+  AddSpan(*command, &options->recorded, "sinew hz FILE.mcap");
   command->add_option("--duration", options->duration_s, "Seconds; by default until Ctrl-C")
       ->check(node::IsTime(node::Zero::kRefused));
   command->add_option("--every", options->every_s, "Seconds between two tables")
@@ -312,15 +317,21 @@ void AddHzCommand(CLI::App& app) {
       "from\n"
       "header.stamp_ns to arrival (none of simulated time and replays); delay: from sending to "
       "arrival. lost:\n"
-      "missing ticks by gaps of header.tick within a session. A recording in lockstep has simulated "
+      "missing ticks by gaps of header.tick within a session. A recording in lockstep has "
+      "simulated "
       "time. Exit code\n1 when no message came.\n\nExamples:\n"
       "  sinew hz joint_state joint_command\n"
       "  sinew hz --duration 5 --json\n"
-      "  sinew hz --from run.mcap");
+      "  sinew hz run.mcap\n"
+      "  sinew hz joint_state run.mcap --from 2 --to 4");
   command->callback([options] {
     node::StopFlag stop;
+    TakeRecordings([](const std::string& word) { return node::FindTopic(word) != nullptr; },
+                   &options->topics, &options->recorded.files);
+    options->recorded.Check();
+    const std::string file = OnlyOne(options->recorded.files);
     const Summaries summaries =
-        options->from.empty() ? OfDomain(*options, stop) : OfRecording(*options);
+        file.empty() ? OfDomain(*options, stop) : OfRecording(file, *options);
     if (options->json) {
       std::cout << types::JsonText(SummariesJson(summaries)) << '\n';
     } else {

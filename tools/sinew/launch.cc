@@ -192,6 +192,8 @@ void AddDeploymentOptions(CLI::App& command, LaunchOptions* options) {
                    "In a network of its own, which nobody else can send to");
   command.add_option("--record", options->record, "Record to this file (adds a logger if needed)")
       ->type_name("FILE.mcap");
+  command.add_flag("--overwrite", options->overrides.overwrite,
+                   "Replace recordings that are there already: every logger's");
   command
       .add_option(
           "--set", options->overrides.settings,

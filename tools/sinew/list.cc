@@ -269,12 +269,27 @@ inspect::TopicRow RowWithoutWriter(const Json& topic) {
   return row;
 }
 
-// A row for each writer; a topic without writers is a row, too. all: with the log, which every
-// participant writes.
+// Topics of every participant, which are rows only with --all.
+bool IsHidden(const std::string& topic) {
+  static const std::set<std::string> kHidden = {"component_snapshot", "component_status", "log",
+                                                "recording_progress", "snapshot_request"};
+  return kHidden.contains(topic);
+}
+
+void PrintHidden(const std::vector<std::string>& hidden, std::size_t width) {
+  if (hidden.empty()) return;
+  Print("%s\n", ("not shown without --all: " + types::Joined(hidden)).substr(0, width).c_str());
+}
+
+// A row for each writer; a topic without writers is a row, too.
 void PrintTopics(const Json& report, bool all) {
   std::vector<inspect::TopicRow> rows;
+  std::vector<std::string> hidden;
   for (const Json& topic : report["topics"]) {
-    if (!all && topic["name"] == node::kLog.name) continue;
+    if (!all && IsHidden(topic["name"])) {
+      hidden.push_back(topic["name"]);
+      continue;
+    }
     const std::string owner = topic["owner"].get<std::string>();
     if (topic["writers"].empty()) rows.push_back(RowWithoutWriter(topic));
     for (const Json& endpoint : report["endpoints"]) {
@@ -282,8 +297,8 @@ void PrintTopics(const Json& report, bool all) {
       rows.push_back(RowOfWriter(endpoint, owner));
     }
   }
-  if (rows.empty()) return;
-  Print("\n%s", inspect::FormatTopicTable(rows, kTableWidth).c_str());
+  if (!rows.empty()) Print("\n%s", inspect::FormatTopicTable(rows, kTableWidth).c_str());
+  PrintHidden(hidden, kTableWidth);
 }
 
 // A value of a participant's row, as text; "-" for one that sends no component_status.
@@ -431,8 +446,6 @@ bool IsInSummary(const std::string& name, const std::string& key, const std::str
 
 // About twenty lines, as wide as the terminal: a row for each topic of the robot.
 void PrintSummary(const Json& listed) {
-  static const std::set<std::string> kHidden = {"component_snapshot", "component_status", "log",
-                                                "recording_progress"};
   const std::size_t width = ::isatty(STDOUT_FILENO) == 1
                                 ? static_cast<std::size_t>(SizeOfTerminal(STDOUT_FILENO).columns)
                                 : std::string::npos;
@@ -471,7 +484,7 @@ void PrintSummary(const Json& listed) {
   }
   Print("\n%-20s %10s  %-18s %s\n", "topic", "messages", "type", "writers");
   for (const auto& [name, row] : rows) {
-    if (kHidden.contains(name)) {
+    if (IsHidden(name)) {
       hidden.push_back(name);
       continue;
     }
@@ -479,7 +492,7 @@ void PrintSummary(const Json& listed) {
                        static_cast<unsigned long long>(row.messages), row.type.c_str()) +
           types::Joined(row.writers));
   }
-  if (!hidden.empty()) print("not shown without --all: " + types::Joined(hidden));
+  PrintHidden(hidden, width);
 }
 
 // Everything.
@@ -518,9 +531,9 @@ void AddListCommand(CLI::App& app) {
   command->add_option("--wait", options->wait_s, "Seconds to listen")
       ->check(node::IsTime(node::Zero::kRefused))
       ->capture_default_str();
-  command->add_flag("--all", options->all,
-                    "Of a recording all metadata, writers, snapshots, status and logs; of a domain "
-                    "writers of the log, too");
+  command->add_flag(
+      "--all", options->all,
+      "With snapshots, status and logs; of a recording all metadata and writers, too");
   command->add_flag("--json", options->json, "As JSON");
   command->footer(
       "A row for each writer with type, QoS and the readers that hear it; below it those that do "

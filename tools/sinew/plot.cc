@@ -27,6 +27,7 @@
 #include "tools/sinew/commands.h"
 #include "tools/sinew/echo_plot.h"
 #include "tools/sinew/printed.h"
+#include "tools/sinew/recordings.h"
 
 namespace sinew::tools {
 
@@ -185,9 +186,7 @@ void PlotRecordings(const PlotOptions& options) {
   std::vector<std::string> files;
   std::vector<inspect::TopicField> fields;
   for (const std::string& word : options.words) {
-    std::error_code ignored;
-    if (files.empty() || word.ends_with(".mcap") || word.find(".mcap@") != std::string::npos ||
-        std::filesystem::exists(word, ignored)) {
+    if (files.empty() || IsRecording(word)) {
       files.push_back(word);
       continue;
     }

@@ -2,19 +2,22 @@
 #include <iostream>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "components/topics/node/time_option.h"
 #include "sim/render/file/film.h"
 #include "sim/render/file/recorded_poses.h"
 #include "sim/render/file/scene_file.h"
 #include "tools/sinew/commands.h"
+#include "tools/sinew/recordings.h"
 
 namespace sinew::tools {
 
 namespace {
 
 struct RenderOptions {
-  std::filesystem::path recording, urdf;
+  std::vector<std::filesystem::path> recordings;
+  std::filesystem::path urdf;
   std::string seen_from = "three-quarter";
   render::FilmOptions film;
   render::RecordedPosesOptions poses;
@@ -28,7 +31,8 @@ void Render(RenderOptions options) {
     std::cerr << "sinew render: " << scene.mesh_count << " meshes of " << options.urdf.string()
               << " are not drawn\n";
   }
-  const render::RecordedPoses recorded = render::ReadPoses(options.recording, scene, options.poses);
+  const render::RecordedPoses recorded =
+      render::ReadPoses(OnlyOne(options.recordings), scene, options.poses);
   options.film.fixed_base = recorded.fixed_base;
   render::Film film(scene, options.film);
   for (const render::TimedPose& one : recorded.poses) film.Add(one.time_s, one.pose);
@@ -42,9 +46,7 @@ void Render(RenderOptions options) {
 void AddRenderCommand(CLI::App& app) {
   auto options = std::make_shared<RenderOptions>();
   CLI::App* command = app.add_subcommand("render", "Draw a recording: a video, PNG files or both");
-  command->add_option("--recording", options->recording, "MCAP with joint_state")
-      ->required()
-      ->check(CLI::ExistingFile);
+  AddRecordings(*command, "--recording", &options->recordings, "MCAP with joint_state")->required();
   command->add_option("--urdf", options->urdf, "URDF of the robot, with visual elements")
       ->required()
       ->check(CLI::ExistingFile);
@@ -68,8 +70,8 @@ void AddRenderCommand(CLI::App& app) {
       "The base is that of sim_body_truth; without it, of a biped, its lower sole is flat on the "
       "ground.\n\n"
       "Examples:\n"
-      "  sinew render --recording squat.mcap --urdf robots/biped/biped.urdf --out squat.mp4\n"
-      "  sinew render --recording squat.mcap --urdf robots/biped/biped.urdf --frames pictures \\\n"
+      "  sinew render squat.mcap --urdf robots/biped/biped.urdf --out squat.mp4\n"
+      "  sinew render squat.mcap --urdf robots/biped/biped.urdf --frames pictures \\\n"
       "    --from 2 --to 4 --view side");
   command->callback([options] { Render(*options); });
 }

@@ -19,6 +19,7 @@
 #include "components/record/recording/file/ros_bag.h"
 #include "components/record/recording/file/run_reader.h"
 #include "tools/sinew/printed.h"
+#include "tools/sinew/recordings.h"
 
 namespace sinew::tools {
 namespace {
@@ -205,17 +206,15 @@ void AddTrainCommand(CLI::App& app, const OtherNetworks& others) {
   const std::string help = others.help.empty()
                                ? "An echo state network as the configuration says, for sinew-esn.\n"
                                : others.help;
-  command->footer(
-      help +
-      "Example:\n"
-      "  sinew train --model robots/rig/model.yaml --recording run.mcap --network pea \\\n"
-      "    --config robots/rig/esn_train.yaml --out pea.json" +
-      (others.examples.empty() ? "" : "\n" + others.examples));
+  command->footer(help +
+                  "Example:\n"
+                  "  sinew train run.mcap --model robots/rig/model.yaml --network pea \\\n"
+                  "    --config robots/rig/esn_train.yaml --out pea.json" +
+                  (others.examples.empty() ? "" : "\n" + others.examples));
   auto options = std::make_shared<TrainOptions>();
   CLI::Option* model =
       command->add_option("--model", options->model, "Model file: gear ratio, backlash, drive");
-  CLI::Option* recording = command->add_option("--recording", options->recordings,
-                                               "MCAP, or CSV with --map; may be repeated");
+  AddRecordings(*command, "--recording", &options->recordings, "MCAP, or CSV with --map");
   command->add_option("--test", options->tests,
                       "Recording to test on, instead of blocks of the others");
   command->add_option("--map", options->map, "Mapping file of CSV recordings");
@@ -228,12 +227,13 @@ void AddTrainCommand(CLI::App& app, const OtherNetworks& others) {
       ->check(CLI::Range(0, 11));
   const CLI::Option* other = others.add_options ? others.add_options(*command) : nullptr;
   command->add_flag("--json", options->json, "Result as JSON");
-  command->callback([options, train = others.train, model, recording, network, config, other] {
+  command->callback([options, train = others.train, model, network, config, other] {
     if (other != nullptr && other->count() > 0) {
       train(*options);
       return;
     }
-    for (const CLI::Option* needed : {model, recording, network, config}) {
+    if (options->recordings.empty()) throw CLI::RequiredError("a recording");
+    for (const CLI::Option* needed : {model, network, config}) {
       if (needed->count() == 0) throw CLI::RequiredError(needed->get_name());
     }
     PrintOutcome(*options, TrainNetwork(*options));

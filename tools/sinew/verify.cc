@@ -19,6 +19,7 @@
 #include "tools/sinew/commands.h"
 #include "tools/sinew/print_section.h"
 #include "tools/sinew/progress.h"
+#include "tools/sinew/recordings.h"
 #include "tools/sinew/shipped.h"
 
 namespace sinew::tools {
@@ -123,7 +124,7 @@ std::vector<verify::TrackingRun> TrackAll(const VerifyOptions& options, const Bo
 void RunVerify(const VerifyOptions& options) {
   const auto start = std::chrono::steady_clock::now();
   if (options.recordings.empty() && !options.tracking) {
-    throw UsageError("nothing to verify with, expected --recording FILE or --tracking or both");
+    throw UsageError("nothing to verify with, expected a recording or --tracking or both");
   }
   if (!options.effects.empty() && !options.tracking) {
     throw UsageError("--effect is of the surrogate in --tracking, which was not asked for");
@@ -172,10 +173,8 @@ void AddVerifyCommand(CLI::App& app) {
       ->add_option("--before", options->before,
                    "Model before; default: the corrected one without its added effects")
       ->check(CLI::ExistingFile);
-  command
-      ->add_option("--recording", options->recordings,
-                   "CSV or MCAP: the world is moved as these were, and compared")
-      ->check(CLI::ExistingFile);
+  AddRecordings(*command, "--recording", &options->recordings,
+                "CSV or MCAP: the world is moved as these were, and compared");
   command->add_option("--map", options->map, "Mapping of CSV columns")->check(CLI::ExistingFile);
   command->add_option("--horizon", options->horizon_s, "Length of a simulated piece, s")
       ->check(CLI::Range(0.02, 100.0))
@@ -210,8 +209,8 @@ void AddVerifyCommand(CLI::App& app) {
   command->add_flag("--strict", options->strict, "Exit code 1 when an error did not fall");
   command->footer(
       "Examples:\n"
-      "  sinew verify --model found/model.yaml --before robots/rig/surrogate_model.yaml \\\n"
-      "    --recording held_out.mcap --out found/verify\n"
+      "  sinew verify held_out.mcap --model found/model.yaml \\\n"
+      "    --before robots/rig/surrogate_model.yaml --out found/verify\n"
       "  sinew verify --model found/model.yaml --tracking --effect stribeck");
   command->callback([options] { RunVerify(*options); });
 }

@@ -284,6 +284,9 @@ TEST_F(DeploymentTest, RecordAddsALoggerWhereThereIsNone) {
   EXPECT_EQ(two.processes[1].name, "logger");
   EXPECT_TRUE(two.processes[1].stop_last);
   EXPECT_THAT(two.processes[1].arguments, ElementsAre("--out", "/new.mcap"));
+  overrides.overwrite = true;
+  EXPECT_THAT(Load(kTwo, overrides).processes[1].arguments,
+              ElementsAre("--out", "/new.mcap", "--overwrite"));
 }
 
 TEST_F(DeploymentTest, LeavingAProcessOutAlsoRemovesTheWaitForIt) {

@@ -101,7 +101,7 @@ TEST(NewBench, TheFilesAreReadAndAHangingLinkIsAtMinusNinetyDegrees) {
   ASSERT_EQ(model.joints.size(), 1U);
   EXPECT_EQ(model.joints[0].name, "left: knee");
   EXPECT_THAT(files.readme, AllOf(HasSubstr("iq"), HasSubstr("-m g l cos q")));
-  EXPECT_THAT(files.readme, HasSubstr("--train e.csv@:0.001 --held-out e.csv@0.001:"));
+  EXPECT_THAT(files.readme, HasSubstr("e.csv@:0.001 --held-out e.csv@0.001:"));
   // Without gravity, and driven by a voltage.
   const Guess voltage = GuessColumns("t,q,u\n0,0,1\n1,0,1\n", "f.csv");
   const auto second =

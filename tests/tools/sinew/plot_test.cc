@@ -180,6 +180,25 @@ TEST_F(RecordedPlot, EchoPrintsAtMostAtTheRate) {
   EXPECT_EQ(run.output, "0\n25\n50\n75\n0\n25\n50\n75\n");
 }
 
+TEST_F(RecordedPlot, ARecordingIsAPositionAndFromToAreItsTime) {
+  const std::string file = path_.string();
+  const Finished echo = testing::Run(
+      {kSinew, "echo", "joint_state.header.tick", file, "--from", "0.985", "--to", "1.005"});
+  ASSERT_EQ(echo.exit_code, 0) << echo.error;
+  EXPECT_EQ(echo.output, "99\n0\n1\n") << "the second session follows the first";
+  EXPECT_EQ(echo.error, "");
+  const Finished hz =
+      testing::Run({kSinew, "hz", "reference", file, "--from", "0.3", "--to", "0.605", "--json"});
+  ASSERT_EQ(hz.exit_code, 0) << hz.error;
+  EXPECT_THAT(hz.output, AllOf(HasSubstr("\"messages\":11"), Not(HasSubstr("joint_state"))));
+  const Finished former = testing::Run({kSinew, "hz", "--from", file});
+  EXPECT_EQ(former.exit_code, 0) << former.error;
+  EXPECT_THAT(former.error, HasSubstr("`sinew hz FILE.mcap`"));
+  const Finished none = testing::Run({kSinew, "hz", "joint_state", "--from", "1"});
+  EXPECT_EQ(none.exit_code, 2);
+  EXPECT_THAT(none.error, HasSubstr("times of a recording"));
+}
+
 TEST_F(RecordedPlot, EchoRefusesWhatIsNotThere) {
   const Finished field = Echo({"joint_state.angle"});
   EXPECT_EQ(field.exit_code, 2);
