@@ -25,9 +25,6 @@ bool Worse(double after, double before) {
   return after > trace::rules::kRaises.limit * before;
 }
 
-// Does the added effect raise the error, or did the refit of the declared terms?
-bool EffectRaises(const ErrorLine& line) { return Worse(line.corrected, line.refitted); }
-
 }  // namespace
 
 std::vector<ErrorLine> ErrorTable(const Report& report) {
@@ -68,7 +65,7 @@ std::vector<ErrorLine> Rises(const Report& report) {
 std::string RiseSentence(const Report& report) {
   std::string by_effect, by_refit;
   for (const ErrorLine& line : Rises(report)) {
-    std::string& to = EffectRaises(line) ? by_effect : by_refit;
+    std::string& to = Worse(line.corrected, line.refitted) ? by_effect : by_refit;
     to += (to.empty() ? "" : "; ") + line.what + ": " + ThreeErrors(line);
   }
   std::string out;
