@@ -65,7 +65,7 @@ TEST(BipedTuned, SquatsThroughTheProcessesAsInTheTrial) {
 
 TEST(BipedTuned, SquatsWithSeaPeaActuatorsAtThePressureThatPneumaticsHolds) {
   const tune::PressureSweepConfig sweep =
-      tune::LoadPressureSweep(kTunedFolder + "tune_pressure.yaml").sweep;
+      tune::LoadPressureSweep(kTunedFolder + "tune_pressure.yaml");
   // world_sea_pea.yaml and pneumatics.yaml as they are shipped: what the deployment runs.
   const tune::RobotTrialResult alone = tune::RunRobotTrial(sweep.elastic);
   ExpectSameRun(SquatThroughProcesses(197, "deploy_biped_sea_pea.yaml"), alone);

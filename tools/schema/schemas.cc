@@ -69,7 +69,7 @@ const std::vector<Schema>& AllSchemas() {
       {actuator::kSchema, Model},
       {performance::kSchema, Of<performance::PerformanceConfig>},
       {pneumatics::kSchema, Of<pneumatics::PneumaticsConfig>},
-      {tune::kSweepSchema, Of<tune::PressureSweepFile>},
+      {tune::kSweepSchema, Of<tune::PressureSweepConfig>},
       {stand_ins::kSchema, Of<stand_ins::RecordedReferenceFile>},
       {reference::kSchema, Of<reference::LoadedReference>},
       {regime::kSchema, Of<regime::RegimeConfig>},

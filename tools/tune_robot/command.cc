@@ -114,7 +114,7 @@ void TunePid(const Options& options) {
 void TunePressure(const Options& options) {
   const fs::path path =
       options.file.empty() ? tools::ShippedRobotFile("biped/tune_pressure.yaml") : options.file;
-  PressureSweepConfig sweep = LoadPressureSweep(path).sweep;
+  PressureSweepConfig sweep = LoadPressureSweep(path);
   sweep.threads = options.threads;
   if (!options.out.empty()) MakeFolder(options.out);
   const Clock::time_point start = Clock::now();

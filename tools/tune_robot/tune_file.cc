@@ -167,9 +167,8 @@ TuneFile LoadTune(const std::filesystem::path& path) {
   return file;
 }
 
-void Describe(config::Fields& f, PressureSweepFile& file) {
+void Describe(config::Fields& f, PressureSweepConfig& sweep) {
   Inputs inputs;
-  PressureSweepConfig& sweep = file.sweep;
   DescribeTrial(f, &sweep.elastic, &inputs);
   sweep.rigid = sweep.elastic;
   sweep.rigid.pneumatics.clear();
@@ -188,8 +187,8 @@ void Describe(config::Fields& f, PressureSweepFile& file) {
   f.Require(!sweep.elastic.pneumatics.empty(), "pneumatics", "is missing, expected a file");
 }
 
-PressureSweepFile LoadPressureSweep(const std::filesystem::path& path) {
-  return config::Read<PressureSweepFile>(Section::Load(path, kSweepSchema));
+PressureSweepConfig LoadPressureSweep(const std::filesystem::path& path) {
+  return config::Read<PressureSweepConfig>(Section::Load(path, kSweepSchema));
 }
 
 std::string ControlText(const std::filesystem::path& control, const control::PidConfig& pid,

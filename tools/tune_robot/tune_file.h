@@ -25,13 +25,9 @@ inline constexpr char kTuneSchema[] = "sinew-tune/1";
 void Describe(config::Fields& fields, TuneFile& file);
 TuneFile LoadTune(const std::filesystem::path& path);
 
-struct PressureSweepFile {
-  PressureSweepConfig sweep;  // threads: 1
-};
-
 inline constexpr char kSweepSchema[] = "sinew-pressure-sweep/1";
-void Describe(config::Fields& fields, PressureSweepFile& file);
-PressureSweepFile LoadPressureSweep(const std::filesystem::path& path);
+void Describe(config::Fields& fields, PressureSweepConfig& sweep);  // threads: 1
+PressureSweepConfig LoadPressureSweep(const std::filesystem::path& path);
 
 // The text of `control` (sinew-control/1) with these gains in every joint, to stand in `folder`;
 // comment: lines without '#', in place of the comment at its top. Throws UsageError when the file

@@ -72,10 +72,6 @@ class WorldBody final : public free_run::Body {
   provider::PlantSensors sensors_;
 };
 
-std::string Angle(types::JointKind kind) {
-  return kind == types::JointKind::kRevolute ? "mrad" : "mm";
-}
-
 double Mean(const std::vector<TrackingRun>& runs, bool after) {
   double sum = 0.0;
   for (const TrackingRun& run : runs) sum += (after ? run.after : run.before).mse_rad2;
@@ -141,7 +137,7 @@ report::Section MakeSection(const Names& names, types::JointKind kind,
   section.paragraphs.push_back(
       "Before: " + names.before + ". After: " + names.after +
       (added.empty() ? ", which has no added effect." : ", with " + added + "."));
-  const std::string unit = Angle(kind);
+  const std::string unit = kind == types::JointKind::kRevolute ? "mrad" : "mm";
   const auto compare = [&](const std::string& name, double before, double after,
                            const std::string& remark) {
     const auto text = [](double error) {

@@ -180,7 +180,7 @@ std::vector<Breakaway> FindBreakaways(const Recording& rows) {
     if (time_s.size() < 8) continue;
     const double largest_N = ParabolaAt(time_s, force_N, -kRead_s);
     if (largest_N < kLeastForce_N) continue;
-    found.push_back({rest_rad, largest_N, FitLine(time_s, force_N).slope,
+    found.push_back({rest_rad, largest_N, SlopeOf(time_s, force_N),
                      (time_s.front() - time_s.back()) / static_cast<double>(time_s.size() - 1)});
     last_s = now_s;
   }

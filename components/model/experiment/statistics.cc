@@ -27,11 +27,6 @@ Estimate MeanOfTrials(const std::vector<double>& values) {
 }
 
 TrialFit FitTrials(const Eigen::Ref<const Eigen::MatrixXd>& X,
-                   const Eigen::Ref<const Eigen::VectorXd>& y, const std::vector<int>& trial) {
-  return FitTrials(X, X, y, trial);
-}
-
-TrialFit FitTrials(const Eigen::Ref<const Eigen::MatrixXd>& X,
                    const Eigen::Ref<const Eigen::MatrixXd>& Z,
                    const Eigen::Ref<const Eigen::VectorXd>& y, const std::vector<int>& trial) {
   const Eigen::Index p = X.cols();
@@ -108,7 +103,7 @@ Estimate TrialFit::Of(double value, const Eigen::Ref<const Eigen::VectorXd>& gra
 
 Estimate TrialFit::At(Eigen::Index i) const { return Of(b(i), Eigen::VectorXd::Unit(b.size(), i)); }
 
-Line FitLine(const std::vector<double>& x, const std::vector<double>& y) {
+double SlopeOf(const std::vector<double>& x, const std::vector<double>& y) {
   const auto n = static_cast<double>(x.size());
   double mean_x = 0.0, mean_y = 0.0;
   for (std::size_t i = 0; i < x.size(); ++i) {
@@ -120,8 +115,7 @@ Line FitLine(const std::vector<double>& x, const std::vector<double>& y) {
     xx += (x[i] - mean_x) * (x[i] - mean_x);
     xy += (x[i] - mean_x) * (y[i] - mean_y);
   }
-  const double slope = xx > 0.0 ? xy / xx : 0.0;
-  return {mean_y - slope * mean_x, slope};
+  return xx > 0.0 ? xy / xx : 0.0;
 }
 
 }  // namespace sinew::experiment

@@ -36,12 +36,10 @@ struct TrialFit {
   // Estimate of a function of b with this gradient.
   Estimate Of(double value, const Eigen::Ref<const Eigen::VectorXd>& gradient) const;
 };
-// trial: number of the trial of each row, 0 .. n-1.
-TrialFit FitTrials(const Eigen::Ref<const Eigen::MatrixXd>& X,
-                   const Eigen::Ref<const Eigen::VectorXd>& y, const std::vector<int>& trial);
 // Columns that are measured with noise of their own bias least squares toward 0. Instruments Z, a
 // second measurement of the columns whose noise is independent of the first, do not: (Z'X) b = Z'y
 // (Soderstrom, Stoica: System Identification, ch. 8). Z is X where a column has no noise.
+// trial: number of the trial of each row, 0 .. n-1.
 TrialFit FitTrials(const Eigen::Ref<const Eigen::MatrixXd>& X,
                    const Eigen::Ref<const Eigen::MatrixXd>& Z,
                    const Eigen::Ref<const Eigen::VectorXd>& y, const std::vector<int>& trial);
@@ -67,11 +65,7 @@ class TrialRows {
 // estimated (Sheppard).
 double LargestRounding(double variance, double count);
 
-// Straight line y = a + b x through points; b first for slopes is at index 1.
-struct Line {
-  double at_zero = 0.0;
-  double slope = 0.0;
-};
-Line FitLine(const std::vector<double>& x, const std::vector<double>& y);
+// Slope of the straight line through points; 0 where all have the same x.
+double SlopeOf(const std::vector<double>& x, const std::vector<double>& y);
 
 }  // namespace sinew::experiment

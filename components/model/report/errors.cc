@@ -67,9 +67,8 @@ std::vector<ErrorLine> Rises(const Report& report) {
 std::string RiseSentence(const Report& report) {
   std::string by_effect, by_refit;
   for (const ErrorLine& line : Rises(report)) {
-    // Does the added effect raise the error, or did the refit of the declared terms?
-    const bool effect = Worse(line.corrected, line.refitted, report.trace.in_force);
-    std::string& to = effect ? by_effect : by_refit;
+    std::string& to =
+        Worse(line.corrected, line.refitted, report.trace.in_force) ? by_effect : by_refit;
     to += (to.empty() ? "" : "; ") + line.what + ": " + ThreeErrors(line);
   }
   std::string out;

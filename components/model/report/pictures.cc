@@ -331,15 +331,26 @@ Picture ErrorsBeforeAndAfter(const Report& report) {
           kAfterColour + "' t 'held out'\n"};
 }
 
-// No torques: the simulated angle and what was searched for.
-std::vector<Picture> PicturesOfSimulation(const Report& report) {
-  std::vector<Picture> out;
-  if (!report.free_run.traces.empty()) {
-    out.push_back(
-        PathPicture(report.free_run, report.trace.corrected.kind, kRefittedModel, kCorrectedModel));
+// Of the torque balance: of the motion, not of a simulation.
+std::vector<Picture> PicturesOfBalance(const Report& report, const Design& train,
+                                       const Design& held_out) {
+  const trace::TraceResult& trace = report.trace;
+  const identify::Balance balance = identify::MakeBalance(held_out, trace.corrected);
+  std::string variable = trace.unexplained.variable;
+  for (const trace::FoundEffect& effect : trace.effects) {
+    if (effect.balance != effects::Balance::kMotion) continue;
+    variable = effects::MakeEffect(effect.name, trace.corrected.constants)->info().variable;
+    break;
   }
-  if (!report.trace.scores.empty()) out.push_back(Candidates(report.trace.scores));
-  out.push_back(ErrorsBeforeAndAfter(report));
+  std::vector<Picture> out = {
+      MeasuredAgainstModel(report, held_out, balance.drive_factor * balance.drive_torque),
+      ResidualOverTime(report, held_out),
+      ResidualOverVariable(report, train, AxisFor(variable, trace.corrected.kind),
+                           trace.before_train.residual, trace.after_train.residual)};
+  if (trace.corrected.kind == types::JointKind::kRevolute) {
+    out.push_back(
+        SpectrumByAngle(report, train, trace.before_train.residual, trace.after_train.residual));
+  }
   return out;
 }
 
@@ -376,26 +387,14 @@ Picture PathPicture(const free_run::FreeRunResult& following, types::JointKind k
 
 std::vector<Picture> MakePictures(const Report& report, const Design& train,
                                   const Design& held_out) {
-  const trace::TraceResult& trace = report.trace;
-  if (trace.by_simulation) return PicturesOfSimulation(report);
-  const identify::Balance balance = identify::MakeBalance(held_out, trace.corrected);
-  const Eigen::VectorXd torque = balance.drive_factor * balance.drive_torque;
-  std::string variable = trace.unexplained.variable;
-  for (const trace::FoundEffect& effect : trace.effects) {
-    if (effect.balance != effects::Balance::kMotion) continue;
-    variable = effects::MakeEffect(effect.name, trace.corrected.constants)->info().variable;
-    break;
-  }
   std::vector<Picture> out;
-  out.push_back(MeasuredAgainstModel(report, held_out, torque));
-  out.push_back(ResidualOverTime(report, held_out));
-  out.push_back(ResidualOverVariable(report, train, AxisFor(variable, trace.corrected.kind),
-                                     trace.before_train.residual, trace.after_train.residual));
-  if (trace.corrected.kind == types::JointKind::kRevolute) {
+  if (!report.trace.by_simulation) {
+    out = PicturesOfBalance(report, train, held_out);
+  } else if (!report.free_run.traces.empty()) {
     out.push_back(
-        SpectrumByAngle(report, train, trace.before_train.residual, trace.after_train.residual));
+        PathPicture(report.free_run, report.trace.corrected.kind, kRefittedModel, kCorrectedModel));
   }
-  if (!trace.scores.empty()) out.push_back(Candidates(trace.scores));
+  if (!report.trace.scores.empty()) out.push_back(Candidates(report.trace.scores));
   out.push_back(ErrorsBeforeAndAfter(report));
   return out;
 }

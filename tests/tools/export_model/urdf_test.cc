@@ -23,7 +23,7 @@ TEST(Urdf, OfTheRigHasDynamicsLimitAndBodyAndKeepsItsShapes) {
   const std::string text = WriteUrdf(Described(rig), UrdfText(rig), {"a remark"});
   EXPECT_THAT(text, HasSubstr("<!-- a remark -->"));
   EXPECT_THAT(text, HasSubstr("<dynamics damping=\"0.31\" friction=\"0.22\" />"));
-  EXPECT_THAT(text, HasSubstr("<box size=\"0.3 0.03 0.03\" />"));
+  EXPECT_THAT(text, HasSubstr("<visual name=\"lever\">"));
   const arm::Chain chain = arm::ParseUrdf(text, "written.urdf");
   const arm::Body& body = chain.bodies.front();
   EXPECT_NEAR(body.effort, 0.77 * 100.0 * 0.398, 1e-12);

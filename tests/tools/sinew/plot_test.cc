@@ -299,7 +299,7 @@ TEST_F(RecordedPlot, TopicsThatNobodyReadsAreLeftOutWithOneWarning) {
   for (const std::vector<std::string>& command :
        std::vector<std::vector<std::string>>{{"list", file},
                                              {"export", file, "--format", "csv", "--out", out},
-                                             {"graph", "--from", file, "--out", out + ".dot"}}) {
+                                             {"graph", file, "--out", out + ".dot"}}) {
     std::vector<std::string> words = {kSinew};
     words.insert(words.end(), command.begin(), command.end());
     const Finished run = testing::Run(words);

@@ -15,7 +15,7 @@ namespace {
 constexpr std::size_t kSweptKnee = 3;
 
 PressureSweepConfig ShippedSweep() {
-  return LoadPressureSweep(SINEW_SOURCE_DIR "/robots/biped/tune_pressure.yaml").sweep;
+  return LoadPressureSweep(SINEW_SOURCE_DIR "/robots/biped/tune_pressure.yaml");
 }
 
 // Down to the lowest point of the first squat: 0.5 s of delay, 3 s of soft start, half of 5 s.

@@ -57,7 +57,7 @@ TEST(TuneFile, TheShippedSearchIsOfThePublishedBenchmark) {
 }
 
 TEST(TuneFile, TheShippedSweepHasFourPneumaticJoints) {
-  const PressureSweepConfig sweep = LoadPressureSweep(kBipedFiles / "tune_pressure.yaml").sweep;
+  const PressureSweepConfig sweep = LoadPressureSweep(kBipedFiles / "tune_pressure.yaml");
   EXPECT_TRUE(PneumaticJoints(sweep.rigid.robot.model).empty());
   EXPECT_EQ(PneumaticJoints(sweep.elastic.robot.model), (std::vector<std::size_t>{3, 4, 9, 10}));
   EXPECT_EQ(sweep.elastic.pneumatics.size(), 12u);

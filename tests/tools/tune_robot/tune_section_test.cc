@@ -83,7 +83,7 @@ TEST(TuneSection, ThePicturesShowEveryTrialOfTheirStage) {
 
 TEST(TuneSection, ThePressuresHaveTheirEnergiesAndTheLargerPeakOfBothLegs) {
   const PressureSweepConfig config =
-      LoadPressureSweep(SINEW_SOURCE_DIR "/robots/biped/tune_pressure.yaml").sweep;
+      LoadPressureSweep(SINEW_SOURCE_DIR "/robots/biped/tune_pressure.yaml");
   std::vector<PressurePoint> points(3);
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (i > 0) points[i].pressure_bar = 2.0 * static_cast<double>(i);

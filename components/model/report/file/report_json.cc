@@ -60,21 +60,10 @@ Json ModelParameters(const actuator::JointModel& model) {
   return out;
 }
 
-// M, L, S, Q, K as in docs/model.md.
+// As in docs/model.md, in the order of effects::Balance.
 std::string BalanceLetter(effects::Balance balance) {
-  switch (balance) {
-    case effects::Balance::kLink:
-      return "L";
-    case effects::Balance::kPlay:
-      return "S";
-    case effects::Balance::kGas:
-      return "Q";
-    case effects::Balance::kKinematic:
-      return "K";
-    case effects::Balance::kMotion:
-      break;
-  }
-  return "M";
+  constexpr std::string_view kLetters = "MLSQK";
+  return std::string(1, kLetters[static_cast<std::size_t>(balance)]);
 }
 
 Json Errors(const identify::ModelError& nominal, const identify::ModelError& before,

@@ -34,7 +34,7 @@ TEST(Statistics, FitOfExactRowsIsExactWhateverTheColumnsSizes) {
     y(i) = 3e5 * X(i, 0) - 2e-4 * X(i, 1);
     trial.push_back(i);
   }
-  const TrialFit fit = FitTrials(X, y, trial);
+  const TrialFit fit = FitTrials(X, X, y, trial);
   constexpr double kRidge = 1e-7;  // relative: the solver's own 1e-9, amplified by correlation
   EXPECT_NEAR(fit.b(0), 3e5, 3e5 * kRidge);
   EXPECT_NEAR(fit.b(1), -2e-4, 2e-4 * kRidge);
@@ -60,7 +60,7 @@ TEST(Statistics, IntervalsHoldTheTruthWhereRowsOfATrialShareAnError) {
         trial.push_back(t);
       }
     }
-    covered += FitTrials(X, y, trial).At(1).Covers(2.0) ? 1 : 0;
+    covered += FitTrials(X, X, y, trial).At(1).Covers(2.0) ? 1 : 0;
   }
   EXPECT_GE(covered, 0.90 * kSeeds);
   EXPECT_LE(covered, 0.99 * kSeeds);
@@ -81,7 +81,7 @@ TEST(Statistics, IntervalsHoldTheTruthOfFewTrialsOfUnequalWeight) {
       y(i) = 1.0 + 2.0 * X(i, 1) + gauss(random);
       trial.push_back(i);
     }
-    covered += FitTrials(X, y, trial).At(1).Covers(2.0) ? 1 : 0;
+    covered += FitTrials(X, X, y, trial).At(1).Covers(2.0) ? 1 : 0;
   }
   EXPECT_GE(covered, 0.90 * kSeeds);
 }
@@ -100,7 +100,7 @@ TEST(Statistics, InstrumentsRemoveTheBiasOfANoisyColumn) {
     y(i) = 2.0 * x + 0.1 * gauss(random);
     trial.push_back(i / 10);
   }
-  const TrialFit plain = FitTrials(X, y, trial), instrumented = FitTrials(X, Z, y, trial);
+  const TrialFit plain = FitTrials(X, X, y, trial), instrumented = FitTrials(X, Z, y, trial);
   EXPECT_NEAR(plain.b(0), 2.0 / 1.25, 0.05);  // attenuated by the share of noise
   EXPECT_TRUE(instrumented.At(0).Covers(2.0)) << instrumented.b(0);
   EXPECT_LT(instrumented.At(0).half_width_95, 0.1);
@@ -134,15 +134,14 @@ TEST(Statistics, RoundingLeavesAtMostWhatIsSaid) {
 }
 
 TEST(Statistics, TooFewTrialsAreRefused) {
-  EXPECT_THROW((void)FitTrials(Eigen::MatrixXd::Ones(4, 2), Eigen::VectorXd::Ones(4), {0, 0, 1, 1}),
+  const Eigen::MatrixXd X = Eigen::MatrixXd::Ones(4, 2);
+  EXPECT_THROW((void)FitTrials(X, X, Eigen::VectorXd::Ones(4), {0, 0, 1, 1}),
                std::invalid_argument);
 }
 
-TEST(Statistics, LineThroughPointsOfALine) {
-  const Line line = FitLine({0.0, 1.0, 3.0}, {1.0, 3.0, 7.0});
-  EXPECT_NEAR(line.at_zero, 1.0, 1e-12);
-  EXPECT_NEAR(line.slope, 2.0, 1e-12);
-  EXPECT_EQ(FitLine({1.0, 1.0}, {2.0, 4.0}).slope, 0.0);  // no spread, no slope
+TEST(Statistics, SlopeOfPointsOnALine) {
+  EXPECT_NEAR(SlopeOf({0.0, 1.0, 3.0}, {1.0, 3.0, 7.0}), 2.0, 1e-12);
+  EXPECT_EQ(SlopeOf({1.0, 1.0}, {2.0, 4.0}), 0.0);  // no spread, no slope
 }
 
 }  // namespace
