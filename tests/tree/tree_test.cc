@@ -474,6 +474,7 @@ TEST(Tree, PackagesAreExactlyWhatTheBuildAndTheProgramsNeed) {
                                      "cyclonedds-tools",
                                      "qemu-system-x86",
                                      "mandoc",
+                                     "fish",
                                      "busybox-static",
                                      "cpio",
                                      "can-utils",

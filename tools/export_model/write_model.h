@@ -16,7 +16,7 @@ namespace sinew::export_model {
 // dash is left out.
 using Remarks = std::vector<std::string>;
 
-// Where the model comes from, what the format does not carry and what that costs (remarks.cc).
+// Source of the model, what the format does not carry and what that costs (remarks.cc).
 // base: with all that is fixed to it. source: the model file's name; costs: of `dropped`;
 // recordings: names of the held-out ones, empty: none was given, and costs are empty.
 Remarks MakeRemarks(Format format, const actuator::RobotModel& robot, const arm::Base& base,

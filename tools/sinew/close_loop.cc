@@ -52,7 +52,7 @@ void KeepMemory() {
   mallopt(M_TOP_PAD, 64 << 20);
 }
 
-// When, where and by which command a page is made, for its end.
+// Date, host, version and command, for the end of a page.
 std::string Made() {
   std::string words = config::ReadFile("/proc/self/cmdline", 1 << 20);
   while (!words.empty() && words.back() == '\0') words.pop_back();

@@ -165,7 +165,7 @@ void AddCurves(const std::string& file, const std::vector<inspect::TopicField>& 
     picked.insert(picked.end(), entries.begin(), entries.end());
   }
   const std::vector<std::vector<PlotRow>> rows = RowsOf(tables, picked);
-  // Where there is no joint_state, the clock is what was asked for.
+  // Without joint_state the clock is what was asked for.
   const bool has_clock = std::any_of(tables.list().begin(), tables.list().end(),
                                      [](const auto& one) { return one->topic == kClockTopic; });
   std::vector<recording::SessionTimes::Tick> ticks;

@@ -25,7 +25,7 @@ struct GainRange {
   double lower = 0.0, upper = 0.0;  // 0 < lower <= upper
 };
 
-// What is sought, and its key in files.
+// Gain that is sought, and its key in files.
 struct Gain {
   const char* key;
   double control::PidConfig::*of;

@@ -56,7 +56,7 @@ std::vector<double> Centres(const types::Run& run, double half_width_s, std::siz
 Measurement Measure(std::string_view rule, types::Signal signal, const types::Run& run, Span rows,
                     double statistic, std::string reason = {}, std::string remedy = {});
 Span WholeRun(const types::Run& run);
-// What the model's drive reads; nothing: it has none or several.
+// The signal that the model's drive reads; nothing: it has none or several.
 std::optional<types::Signal> OnlyDrive(const actuator::JointModel& model);
 std::string Number(double value);  // four significant digits
 

@@ -1,5 +1,5 @@
-// What stands in every page, from the files of page/ and, for its charts, uPlot as tools/view has
-// it.
+// Style and script of every page, from the files of page/ and, for its charts, uPlot as tools/view
+// has it.
 #pragma once
 
 namespace sinew::report {

@@ -232,7 +232,7 @@ class Closer {
     trace::Facts facts;
     facts.curve = trace::CurveBeside(*problem_, set);
     AssessSlope(with.model, &facts);
-    trace::Judge(facts, Refuted(found, second), options_.in_force, &found);
+    trace::Assess(facts, Refuted(found, second), options_.in_force, &found);
     return found;
   }
 

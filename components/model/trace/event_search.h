@@ -63,7 +63,7 @@ std::vector<std::vector<double>> LocateTimedEffect(const identify::Design& desig
 void SetClocksBy(const TimedEffect& event, const std::vector<std::vector<double>>& start_s,
                  identify::Design* design);
 
-// Of push_search.cc: the pushes that stand out most by rules::kEventPeak and rules::kEventAlone;
+// Pushes (push_search.cc): those that stand out most by rules::kEventPeak and rules::kEventAlone;
 // residual of every row, in units of the balance, as dry_friction, which only knows the direction
 // of motion. has_play: teeth may touch.
 std::optional<FoundEvent> FindPush(const identify::Design& design,

@@ -57,7 +57,7 @@ class Evidence {
   double FreeShare(Eigen::Index j) const;
 
  private:
-  // Of a column's coefficient: its prior's, and the ridge.
+  // Precision of a column's coefficient: its prior's, and the ridge.
   double Precision(Eigen::Index column) const {
     return precision_[column] + kRidge * power_[column] + 1e-300;
   }

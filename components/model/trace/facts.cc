@@ -141,8 +141,8 @@ Confirmation Facts::AsConfirmation() const {
   return out;
 }
 
-void Judge(const Facts& facts, const std::optional<Refusal>& refusal, const InForce& in_force,
-           FoundEffect* found) {
+void Assess(const Facts& facts, const std::optional<Refusal>& refusal, const InForce& in_force,
+            FoundEffect* found) {
   found->score = facts.Score();
   found->curve = facts.curve;
   found->confirmation = facts.AsConfirmation();

@@ -33,8 +33,8 @@ struct Facts {
 };
 
 // Verdict on an effect by the score of its facts, unless something refuses it.
-void Judge(const Facts& facts, const std::optional<Refusal>& refusal, const InForce& in_force,
-           FoundEffect* found);
+void Assess(const Facts& facts, const std::optional<Refusal>& refusal, const InForce& in_force,
+            FoundEffect* found);
 
 // Gain of the best free curve beside a set, share of the set's.
 double CurveBeside(const Problem& problem, const EffectSet& set);

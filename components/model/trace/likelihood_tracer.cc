@@ -279,7 +279,7 @@ class Correction {
       // It began elsewhere there (LocateEvent).
       facts.SetSlope(ConfirmSlope(held_out_, without, corrected_, options_.in_force));
     }
-    Judge(facts, RefusalOf(found, facts, without.model), options_.in_force, &found);
+    Assess(facts, RefusalOf(found, facts, without.model), options_.in_force, &found);
     return found;
   }
 

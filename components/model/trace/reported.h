@@ -25,7 +25,7 @@ void NoteErrors(const LikelihoodFit& reported, const actuator::JointModel& drive
                 identify::Design* predicted_train, identify::Design* predicted_held_out,
                 TraceResult* result);
 
-// What follows from the effects that are found, open and refuted: which candidates are accepted and
+// Conclusions from the effects that are found, open and refuted: which candidates are accepted and
 // which rule refused the others; by the detectable sizes what the recordings could not have shown;
 // the verdict. problem: of the search.
 void Conclude(const Problem& problem, TraceResult* result);
@@ -41,7 +41,7 @@ struct NoiseFloor {
 NoiseFloor EstimateNoiseFloor(const identify::Design& design, const identify::Balance& balance,
                               double drive_factor);
 
-// Of shift.cc: effects absorbed by refitting. Shifts of declared parameters by a tolerance or more,
+// Effects absorbed by refitting (shift.cc). Shifts of declared parameters by a tolerance or more,
 // and the effects that would shift them the same way.
 // nominal: the model as declared; fit: the final fit (same declared terms, maybe more).
 std::vector<ParameterShift> FindShifts(const identify::Design& design,
