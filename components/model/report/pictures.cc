@@ -331,7 +331,7 @@ Picture ErrorsBeforeAndAfter(const Report& report) {
           kAfterColour + "' t 'held out'\n"};
 }
 
-// Of the torque balance: of the motion, not of a simulation.
+// Pictures of the torque balance: of the motion, not of a simulation.
 std::vector<Picture> PicturesOfBalance(const Report& report, const Design& train,
                                        const Design& held_out) {
   const trace::TraceResult& trace = report.trace;
