@@ -6,10 +6,9 @@
 // torque_Nm | | imu | /imu/data | sensor_msgs/msg/Imu, covariances 0 (unknown) | | foot_force |
 // /foot_force/right_0 .. left_3 | geometry_msgs/msg/WrenchStamped: force.z |
 //
-// header.stamp is the message's own stamp_ns, log_time that of RecordedTime: the bag plays as fast as
-// the robot moved, in lockstep as well, and where the clock was set back. What a
-// robot did not measure is not repeated: lost joints are NaN, a lost IMU or foot sensor has no
-// message.
+// header.stamp is the message's own stamp_ns, log_time that of RecordedTime: the bag plays as fast
+// as the robot moved, in lockstep as well, and where the clock was set back. What a robot did not
+// measure is not repeated: lost joints are NaN, a lost IMU or foot sensor has no message.
 #pragma once
 
 #include <array>

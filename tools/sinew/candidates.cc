@@ -153,7 +153,7 @@ Candidates TopicFields(const Typed& typed, const CLI::Option&) {
 Candidates TopicsAndFields(const Typed& typed, const CLI::Option& option) {
   Candidates found = TopicFields(typed, option);
   if (typed.word.find('.') == std::string::npos) {
-    const Candidates topics = Topics(typed, option);
+    Candidates topics = Topics(typed, option);
     if (!found.empty() && found[0].text.ends_with('.')) return topics;
     found.insert(found.begin(), topics.begin(), topics.end());
   }
@@ -193,7 +193,8 @@ Candidates ProcessArguments(const Typed& typed, const CLI::Option&) {
 
 // The keys that the option's help lists; those of PROCESS for each process.
 Candidates Settings(const Typed& typed, const CLI::Option& option) {
-  const std::string help = option.get_description(), process = "PROCESS";
+  const std::string& help = option.get_description();
+  const std::string process = "PROCESS";
   Candidates settings;
   for (const std::string& key : SplitAt(help.substr(help.find(':') + 1), ", ")) {
     if (!key.starts_with(process)) {

@@ -73,11 +73,11 @@ const char* ColourOf(msg::LogLevel level) {
 }
 
 void PrintLine(const std::string& time, const LogText& line) {
-  static const bool colours = ::isatty(STDOUT_FILENO) == 1;
+  static const bool kColours = ::isatty(STDOUT_FILENO) == 1;
   std::cout << time << ' ';
-  if (colours) Unfiltered(std::cout) << ColourOf(line.level);
+  if (kColours) Unfiltered(std::cout) << ColourOf(line.level);
   Print("%-8s", NameOf(line.level));
-  if (colours) Unfiltered(std::cout) << "\x1b[0m";
+  if (kColours) Unfiltered(std::cout) << "\x1b[0m";
   Print(" %-12s %s\n", line.name.c_str(), line.text.c_str());
 }
 

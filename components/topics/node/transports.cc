@@ -205,6 +205,8 @@ Function OfLibc(const char* name) {
 
 }  // namespace
 
+// libc's names of the parameters are reserved.
+// NOLINTBEGIN(readability-inconsistent-declaration-parameter-name)
 int shm_open(const char* name, int flags, mode_t mode) {
   static const auto kOpen = OfLibc<int (*)(const char*, int, mode_t)>("shm_open");
   const int file = kOpen(name, flags, mode & kOwnersAlone);
@@ -217,3 +219,4 @@ int fchmod(int file, mode_t mode) noexcept {
   made_here = -1;
   return static_cast<int>(::syscall(SYS_fchmod, file, mode));
 }
+// NOLINTEND(readability-inconsistent-declaration-parameter-name)
