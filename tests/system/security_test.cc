@@ -138,7 +138,7 @@ TEST(Security, AnObserverSeesAllAndCommandsNothing) {
     return Sinew(words, robot.As("observer"));
   };
   const Finished arm = Operate("arm", robot.As("observer"));
-  EXPECT_EQ(arm.exit_code, 1);
+  EXPECT_EQ(arm.exit_code, 2);
   EXPECT_THAT(arm.error, HasSubstr("no DDS writer for topic 'operator_command': the certificate"));
   EXPECT_THAT(robot.State(), HasSubstr("DISARMED"));
 
@@ -189,7 +189,7 @@ TEST(Security, WhoMayOnlySubscribeStillReads) {
   const Finished doctor = robot.Doctor("mute");
   EXPECT_THAT(doctor.output, HasSubstr("participants: 1"));
   EXPECT_THAT(doctor.output, HasSubstr("whoever lacks it is not heard"));
-  EXPECT_EQ(Operate("arm", robot.As("mute")).exit_code, 1);
+  EXPECT_NE(Operate("arm", robot.As("mute")).exit_code, 0);
 }
 
 // A file in whose place its first reader finds something else. It is a pipe until then.
@@ -296,7 +296,7 @@ TEST_F(StolenKey, DoesNotArmWithThePermissionsOfSomebodyElse) {
   fs::copy_file(robot_.keys() / "operator" / security::kPermissions,
                 observer / security::kPermissions, fs::copy_options::overwrite_existing);
   const Finished arm = Arm(observer);
-  EXPECT_EQ(arm.exit_code, 1);
+  EXPECT_EQ(arm.exit_code, 2);
   EXPECT_THAT(arm.error, HasSubstr("no DDS participant in domain 165"));
   EXPECT_THAT(robot_.State(), HasSubstr("DISARMED"));
 }
