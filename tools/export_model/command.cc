@@ -79,9 +79,9 @@ Costs ReadCosts(const Options& options, const actuator::ModelFile& file, const a
 }
 
 std::string NamesOf(const std::vector<std::string>& recordings) {
-  std::vector<std::string> names;
-  for (const std::string& recording : recordings) names.push_back(fs::path(recording).filename());
-  return types::Joined(names);
+  return types::Joined(recordings, ", ", [](const std::string& recording) {
+    return fs::path(recording).filename().string();
+  });
 }
 
 nlohmann::ordered_json ToJson(const Options& options, const std::vector<Dropped>& dropped,
