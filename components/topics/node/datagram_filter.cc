@@ -316,8 +316,8 @@ class Checker {
         constexpr std::int64_t kLongestGap = 1 << 26;
         if (!IsAddressed(&fields)) return false;
         const std::int64_t first = fields.SequenceNumber();
-        Fields base = fields;
-        return first > 0 && base.SequenceNumber() - first <= kLongestGap && IsSet(&fields, 8);
+        const std::int64_t base = Fields(fields).SequenceNumber();
+        return first > 0 && base >= 0 && base - first <= kLongestGap && IsSet(&fields, 8);
       }
       case kInfoTimestamp:
         return (flags & 2) != 0 || length >= 8;
