@@ -277,7 +277,7 @@ TEST(DatagramFilter, GapsAndSetsAreOfBoundedSize) {
   EXPECT_TRUE(Passes(Gap(1, 1000, 32, 1)));
   EXPECT_TRUE(IsDropped(Gap(0, 1000, 32, 1)));
   EXPECT_TRUE(IsDropped(Gap(0x7fffffffffffffff, 1ull << 63, 32, 1)));  // before its first number
-  EXPECT_TRUE(IsDropped(Gap(1, 1ull << 40, 32, 1)));  // counted through one by one
+  EXPECT_TRUE(IsDropped(Gap(1, 1ull << 40, 32, 1)));                   // counted through one by one
   EXPECT_TRUE(IsDropped(Gap(1, 1000, 257, 9)));
   EXPECT_TRUE(IsDropped(Gap(1, 1000, 256, 7)));
 }
