@@ -71,7 +71,7 @@ Path OnlyOne(const std::vector<Path>& files) {
   return files.empty() ? Path() : files.front();
 }
 
-// Recordings and a span of their time, s from the start of each as `sinew plot` draws it.
+// Recordings and a span of their time, s from the start of each (span_messages.h).
 struct RecordedSpan {
   std::vector<std::string> files;
   double from_s = -std::numeric_limits<double>::infinity();

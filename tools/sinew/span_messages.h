@@ -7,8 +7,9 @@
 
 namespace sinew::tools {
 
-// In the order of the ticks, simulated time in lockstep (recorded_time.h), from the first
-// joint_state on. The reader has to stay. Throws recording::McapError.
+// In the order of the ticks. Time (recorded_time.h) is simulated in lockstep, from the first
+// joint_state on, else of reception, from the first message on. Reader and span have to stay.
+// Throws recording::McapError.
 class SpanMessages {
  public:
   SpanMessages(const recording::McapReader& reader, recording::MessageFilter filter,
@@ -20,6 +21,7 @@ class SpanMessages {
 
   bool Next(recording::McapMessage* message) {
     while (messages_.Next(message)) {
+      if (span_.IsWhole()) return true;
       const double time_s = 1e-9 * static_cast<double>(time_.Of(*message) - start_ns_);
       if (time_s >= span_.from_s && time_s <= span_.to_s) return true;
     }

@@ -121,16 +121,6 @@ bool IsDrawnByThePage(const Section& section) {
                      [](const Picture& picture) { return picture.traces.has_value(); });
 }
 
-// Links to the sections that have a title and something in them.
-std::string Contents(const Page& page) {
-  std::string out;
-  for (const Section& section : page.sections) {
-    if (section.title.empty() || FormatSection(section).empty()) continue;
-    out += "<a href=\"#" + Anchor(section) + "\">" + Escape(section.title) + "</a> ";
-  }
-  return out.empty() ? "" : "<nav>" + out + "</nav>\n";
-}
-
 std::string Comparisons(const std::vector<Comparison>& comparisons) {
   if (comparisons.empty()) return "";
   std::string out =
@@ -226,8 +216,16 @@ std::string FormatHtml(const Page& page) {
     out += "<div><b>" + Escape(value) + "</b><span>" + Escape(what) + "</span></div>\n";
   }
   if (!page.figures.empty()) out += "</div>\n";
-  out += Contents(page);
-  for (const Section& section : page.sections) out += FormatSection(section);
+  std::string contents, sections;
+  for (const Section& section : page.sections) {
+    const std::string text = FormatSection(section);
+    if (!section.title.empty() && !text.empty()) {
+      contents += "<a href=\"#" + Anchor(section) + "\">" + Escape(section.title) + "</a> ";
+    }
+    sections += text;
+  }
+  if (!contents.empty()) out += "<nav>" + contents + "</nav>\n";
+  out += sections;
   if (!page.made.empty()) out += "<h2>How it was made</h2>\n<p>" + Escape(page.made) + "</p>\n";
   out += "</main>";
   if (std::any_of(page.sections.begin(), page.sections.end(), IsDrawnByThePage)) {
